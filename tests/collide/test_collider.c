@@ -292,13 +292,14 @@ static void test_measure(void **unused)
     (void)unused;
     moving m = make_falling_sheet(8, 0.004, 0.28);
     pel_collider *collider = make_collider(&m, -1, 1);
+    const pel_pair_test test = {.measure = comes_near, .context = &m};
     int64_t found = 0;
     for (int step = 0; step < 12; step++) {
         pel_collider *own = make_collider(&m, -1, 1);
         pel_collision_query query = make_query(&m, 0.06);
         pel_collision_result a, b;
-        assert_int_equal(pel_collider_list(collider, &query, comes_near, &m, &a, NULL), PEL_OK);
-        assert_int_equal(pel_collider_list(own, &query, comes_near, &m, &b, NULL), PEL_OK);
+        assert_int_equal(pel_collider_list(collider, &query, &test, &a, NULL), PEL_OK);
+        assert_int_equal(pel_collider_list(own, &query, &test, &b, NULL), PEL_OK);
         assert_int_equal(a.collision_count, b.collision_count);
         for (int64_t i = 0; i < a.collision_count; i++)
             assert_true(a.collisions[i].edge_edge == b.collisions[i].edge_edge &&

@@ -14,7 +14,7 @@
 
 enum {
     DEF_COOKIE = 0x434f4c4c,
-    BLOCK = 256, /* candidates that are solved together */
+    BLOCK = PEL_COLLIDER_BLOCK, /* candidates that are solved together */
     LISTS = 2,
     PARTS = 64,     /* lists of collisions that threads fill */
     FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
@@ -349,9 +349,8 @@ typedef struct narrow {
     const pel_tree *tree;
     const pel_collision_query *query;
     bool edge_edge;
-    pel_pair_measure *measure; /* null = times of impact */
-    const void *context;
-    bool is_filtered; /* before they are measured */
+    const pel_pair_test *test; /* null = times of impact */
+    bool is_filtered;          /* before they are measured */
     const pel_pair *pairs;
     size_t pair_count;
     part *parts; /* (PARTS) */
@@ -405,15 +404,37 @@ static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t co
     return PEL_OK;
 }
 
+/* the numbers of those that are to be measured, at most BLOCK */
+static int32_t choose_pairs(const narrow *n, const pel_ccd_batch *batch, const pel_pair *pairs,
+                            const int32_t (*points)[4], int32_t chosen[BLOCK], part *p)
+{
+    int32_t count = batch->query_count, near[BLOCK], few_points[BLOCK][4];
+    pel_pair few[BLOCK];
+    bool has_sieve = n->test->sieve != NULL;
+    int32_t near_count = n->is_filtered ? pel_ccd_near_batch(batch, near) : count;
+    p->near_count += near_count;
+    if (!n->is_filtered && has_sieve)
+        return n->test->sieve(n->test->context, n->edge_edge, pairs, points, count, chosen);
+    for (int32_t i = 0; i < near_count; i++) {
+        near[i] = n->is_filtered ? near[i] : i;
+        memcpy(few_points[i], points[near[i]], sizeof few_points[i]);
+        few[i] = pairs[near[i]];
+        chosen[i] = i;
+    }
+    if (has_sieve)
+        near_count =
+            n->test->sieve(n->test->context, n->edge_edge, few, (const int32_t(*)[4])few_points, near_count, chosen);
+    for (int32_t i = 0; i < near_count; i++)
+        chosen[i] = near[chosen[i]];
+    return near_count;
+}
+
 static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
 {
     int32_t points[BLOCK][4], near[BLOCK];
     collision_list *list = &p->list;
     const pel_ccd_batch batch = batch_of(n, pairs, count, points);
-    int32_t near_count = n->is_filtered ? pel_ccd_near_batch(&batch, near) : count;
-    for (int32_t i = 0; i < count && !n->is_filtered; i++)
-        near[i] = i;
-    p->near_count += near_count;
+    int32_t near_count = choose_pairs(n, &batch, pairs, (const int32_t(*)[4])points, near, p);
     if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)near_count,
                      sizeof *list->collisions))
         return PEL_OUT_OF_MEMORY;
@@ -422,7 +443,7 @@ static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t 
         pel_collision *c = &list->collisions[list->count];
         *c = (pel_collision){.edge_edge = n->edge_edge, .first = pair->first, .second = pair->second};
         memcpy(c->vertices, points[near[i]], sizeof c->vertices);
-        list->count += n->measure(n->context, c);
+        list->count += n->test->measure(n->test->context, c);
     }
     p->statistics.queries += count;
     return PEL_OK;
@@ -439,8 +460,7 @@ static void solve_part(void *context, int32_t number)
     p->statistics = (pel_ccd_statistics){0};
     for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK) {
         int32_t count = (int32_t)(end - i < BLOCK ? end - i : BLOCK);
-        p->status =
-            n->measure != NULL ? measure_block(n, n->pairs + i, count, p) : solve_block(n, n->pairs + i, count, p);
+        p->status = n->test != NULL ? measure_block(n, n->pairs + i, count, p) : solve_block(n, n->pairs + i, count, p);
     }
 }
 
@@ -541,7 +561,7 @@ static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_li
     int32_t *unfiltered = &collider->unfiltered[n.edge_edge];
     n.is_filtered = *unfiltered == 0;
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
-    if (n.measure != NULL)
+    if (n.test != NULL)
         *unfiltered = n.is_filtered ? choose_unfiltered(collider, pairs->count) : *unfiltered - 1;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
@@ -618,14 +638,14 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
     return status;
 }
 
-pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, pel_pair_measure *measure,
-                             const void *context, pel_collision_result *result, pel_error *error)
+pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, const pel_pair_test *test,
+                             pel_collision_result *result, pel_error *error)
 {
     *result = (pel_collision_result){0};
     collider->collisions.count = 0;
     pel_pair_list vertex_face, edge_edge;
     pel_status status = find_pairs(collider, query, &vertex_face, &edge_edge, error);
-    narrow n = {.query = query, .measure = measure, .context = context};
+    narrow n = {.query = query, .test = test};
     if (status == PEL_OK)
         status = solve_kind(collider, n, &vertex_face, &result->vertex_face, error);
     n.edge_edge = true;
@@ -646,5 +666,5 @@ pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query
     PEL_REFUSE_NULL(collider, error);
     PEL_REFUSE_NULL(query, error);
     PEL_REFUSE_NULL(result, error);
-    return pel_collider_list(collider, query, NULL, NULL, result, error);
+    return pel_collider_list(collider, query, NULL, result, error);
 }

@@ -22,13 +22,24 @@ void pel_collider_seek(pel_collider *collider, const uint8_t *groups);
    results refer to it. */
 const pel_tree *pel_collider_tree(const pel_collider *collider);
 
-/* Whether a pair is to be listed: is given all but its hit, and fills that in. Runs on several threads at once. */
-typedef bool pel_pair_measure(const void *context, pel_collision *pair);
+/* pairs that a sieve is given at once, at most */
+enum { PEL_COLLIDER_BLOCK = 256 };
 
-/* pel_collider_detect with another narrow phase: of the pairs that may come within min_separation on the way those that
-   a measure accepts. Its statistics stay 0 but for the queries. */
-pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, pel_pair_measure *measure,
-                             const void *context, pel_collision_result *result, pel_error *error);
+/* Another narrow phase. Both functions run on several threads at once. */
+typedef struct pel_pair_test {
+    /* whether a pair is to be listed: is given all but its hit, and fills that in */
+    bool (*measure)(const void *context, pel_collision *pair);
+    /* writes the numbers of the pairs that are to be measured, and returns how many; points (count) as in a collision;
+       null = all are */
+    int32_t (*sieve)(const void *context, bool edge_edge, const pel_pair *pairs, const int32_t (*points)[4],
+                     int32_t count, int32_t *numbers);
+    const void *context;
+} pel_pair_test;
+
+/* pel_collider_detect with this test: of the pairs that may come within min_separation on the way those that it lists.
+   The statistics stay 0 but for the queries. null = pel_collider_detect. */
+pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, const pel_pair_test *test,
+                             pel_collision_result *result, pel_error *error);
 
 /* Whether pel_collider_detect would find nothing on a way, as known from earlier searches: see pel_clearance_is_clear,
    pel_clearance_stays_clear, pel_clearance_go. query: distances only. */

@@ -1,46 +1,46 @@
 /* Which pairs of a search may touch in a step. */
+#include "collide/ends.h"
 #include "contact/set.h"
 #include "geom/ccd.h"
 #include "math/extremes.h"
 
 #include <string.h>
 
-/* weights of a closest point that is not at an end are larger */
-#define INSIDE 1e-3
 /* of an edge: what slides less in a step crosses no edge that it meets at an end but near that end, where vertices keep
    it off */
 #define SLIDE_SHARE 0.35
-/* sine of the angle below which edges are parallel */
-#define PARALLEL 0.01
 /* of the thickness: lines with this much room keep their edges apart, once vertices do */
 #define ROOM_SHARE 0.9
 
-/* features hardly slide along each other in a step whose points move against each other by at most `way` [m] */
-static bool hardly_slides(const pel_contact_set *set, double way)
+/* edges that their ends do not keep apart */
+static int32_t sift_edges(const pel_contact_set *set, const int32_t (*points)[4], int32_t count, int32_t *numbers)
 {
-    return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
+    double rooms[PEL_COLLIDER_BLOCK];
+    const pel_edge_pairs pairs = {.start = (const double(*)[3])set->start,
+                                  .end = (const double(*)[3])set->end,
+                                  .points = points,
+                                  .rooms = rooms,
+                                  .count = count,
+                                  .slide = SLIDE_SHARE * set->def.shortest_edge - set->margin};
+    bool are_same = set->finest == set->largest;
+    for (int32_t i = 0; i < count; i++)
+        rooms[i] = ROOM_SHARE * (are_same ? set->largest : pel_contact_pair_thickness(set, points[i]));
+    return pel_edges_to_measure(&pairs, numbers);
 }
 
-/* Whether vertices keep two edges apart that hardly slide: their closest points at `start` lie at an end of one, and
-   the lines along them, which cross where the edges slide over each other, leave room for the layer; or they are
-   parallel. The lines are nearest to each other at the shares s of u and t of v; if one of these is not inside, the
-   edges meet at an end. */
-static bool is_kept_by_ends(const pel_contact_set *set, const pel_collision *pair)
+int32_t pel_contact_sift(const void *context, bool edge_edge, const pel_pair *pairs, const int32_t (*points)[4],
+                         int32_t count, int32_t *numbers)
 {
-    const double(*x)[3] = (const double(*)[3])set->start;
-    const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
-    double u[3], v[3], way[3], cross[3];
-    pel_vec3_subtract(x[pair->vertices[1]], a, u);
-    pel_vec3_subtract(x[pair->vertices[3]], b, v);
-    pel_vec3_subtract(b, a, way);
-    double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
-    double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
-    double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
-    if (sine < PARALLEL * PARALLEL * uu * vv)
-        return true;
-    pel_vec3_cross(u, v, cross);
-    double across = pel_vec3_dot(way, cross), room = ROOM_SHARE * pel_contact_pair_thickness(set, pair->vertices);
-    return (s < least || t < least || s > sine - least || t > sine - least) && across * across >= room * room * sine;
+    const pel_contact_set *set = context;
+    int32_t left = 0;
+    if (edge_edge)
+        count = sift_edges(set, points, count, numbers);
+    for (int32_t i = 0; i < count; i++) {
+        int32_t number = edge_edge ? numbers[i] : i;
+        numbers[left] = number;
+        left += !set->known.is_used || !pel_contact_is_known(&set->known, edge_edge, &pairs[number], points[number]);
+    }
+    return left;
 }
 
 double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair)
@@ -92,19 +92,15 @@ static bool comes_within(const pel_contact_set *set, const pel_collision *pair, 
 bool pel_contact_may_meet(const void *context, pel_collision *pair)
 {
     const pel_contact_set *set = context;
-    const int32_t *group = set->group_of_point;
     int32_t first = pel_contact_obstacle_of(set, pair->vertices[0]);
     int32_t obstacle = first >= 0 ? first : pel_contact_obstacle_of(set, pair->vertices[3]);
-    if (set->asleep_count > 0 && set->is_asleep[group[pair->vertices[0]]] && set->is_asleep[group[pair->vertices[3]]])
+    if (pel_contact_sleeps(set, pair->vertices))
         return false;
     /* the substeps see these as solids */
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
-    double way = pel_contact_longest_approach(set, pair);
-    if (pair->edge_edge && hardly_slides(set, way) && is_kept_by_ends(set, pair))
-        return false;
     double distance = pel_contact_measure_start(set, pair);
     double reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
-    return distance <= reach ||
-           (distance <= reach + way && (distance_at_end(set, pair) <= reach || comes_within(set, pair, reach)));
+    return distance <= reach || (distance <= reach + pel_contact_longest_approach(set, pair) &&
+                                 (distance_at_end(set, pair) <= reach || comes_within(set, pair, reach)));
 }

@@ -66,7 +66,7 @@ static void move_looks(pel_contact_set *set)
 
 static void expect_look(pel_contact_set *set, int32_t c)
 {
-    bool sleeps = pel_contact_sleeps(set, &set->keys[c]);
+    bool sleeps = pel_contact_sleeps(set, set->keys[c].points);
     set->calm[c] = sleeps ? HUGE_VAL : 0;
     set->acts[c] = !sleeps;
 }
@@ -138,7 +138,7 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
-        if (pel_contact_sleeps(set, key))
+        if (pel_contact_sleeps(set, key->points))
             continue;
         key->load = rate * (double)contact->multiplier;
         key->earlier = rate * (double)contact->earlier;
@@ -496,6 +496,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     if (!set->def.has_layers)
         pel_contact_keep_push(contact, before);
     key->gap = gap_of(x, weights, normal);
+    memcpy(key->place, weights, sizeof weights);
     keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
     set->acts[c] = !(key->room > 0 || key->is_off);
     if (!set->acts[c])
@@ -514,7 +515,7 @@ static void refresh_chunk(void *context, int32_t chunk)
         /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
         if (!job->is_first && set->list.contacts[c].multiplier > 0)
             continue;
-        if (pel_contact_sleeps(set, &set->keys[c]))
+        if (pel_contact_sleeps(set, set->keys[c].points))
             continue;
         if (!job->looks_at_all && set->calm[c] > 0 && set->watches[c].limit > 0 && has_hardly_moved(job, c))
             continue;
@@ -566,7 +567,7 @@ static void list_active(pel_contact_set *set)
     list->active_count = 0;
     set->calm_until = least_calm(set);
     for (int32_t c = 0; c < list->count; c++) {
-        if (!set->acts[c] || pel_contact_sleeps(set, &set->keys[c]))
+        if (!set->acts[c] || pel_contact_sleeps(set, set->keys[c].points))
             continue;
         if (is_again(set, c) && !(list->contacts[c].multiplier > 0))
             pel_contact_switch_off(&list->contacts[c]);

@@ -14,10 +14,6 @@ enum { VELOCITY_SWEEPS = 4 };
 
 /* distance that the guard keeps, of the thickness */
 #define GUARDED_SHARE 0.3
-/* before a solver with contacts in its loop, pairs are found this much beyond the thickness, and this share of the
-   fastest way beyond that */
-#define REACH_SHARE 0.5
-#define MOTION_SHARE 0.5
 /* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
    shortest edge */
 #define LEAST_MARGIN 0.5
@@ -36,8 +32,8 @@ enum { VELOCITY_SWEEPS = 4 };
 #define NEAR_SHARE 0.5
 /* of what a pair lacks of its thickness, how much corrections give back in a step */
 #define REGAIN 0.1
-/* of ways: more than their rounding */
-#define WAY_SLACK 1e-6
+/* of the pairs after a search in a step that went through all: while there are fewer, the next ones keep them */
+#define MOST_KEPT 1.1
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
 
@@ -96,11 +92,12 @@ void pel_contact_set_destroy(pel_contact_set *set)
         return;
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
-                 set->start, set->end, set->shape, set->bend, set->is_stray, set->home, set->substep_start,
-                 set->substep_end, set->list.contacts, set->keys, set->other_keys, set->calm, set->watches, set->acts,
-                 set->active, set->origins, set->owed, set->other_contacts, set->heights.list.contacts,
-                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
-                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
+                 set->start, set->end, set->shape, set->is_fan, set->known.items, set->known.begins[0],
+                 set->known.begins[1], set->bend, set->is_stray, set->home, set->substep_start, set->substep_end,
+                 set->list.contacts, set->keys, set->other_keys, set->calm, set->watches, set->acts, set->active,
+                 set->origins, set->owed, set->other_contacts, set->heights.list.contacts, set->heights.triangles,
+                 set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts, set->impacts,
+                 set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
                  set->tangles.keys, set->body_shares, set->body_impacts);
     pel_contact_patches_clear(&set->patches);
     pel_travel_destroy(&set->travel);
@@ -156,19 +153,25 @@ static pel_contact_key make_key(const pel_contact_set *set, const pel_collision 
     return key;
 }
 
-bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key)
+bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4])
 {
     const int32_t *group = set->group_of_point;
-    return set->asleep_count > 0 && set->is_asleep[group[key->points[0]]] && set->is_asleep[group[key->points[3]]];
+    return set->asleep_count > 0 && set->is_asleep[group[points[0]]] && set->is_asleep[group[points[3]]];
+}
+
+/* the order of a key and of the pair of two features */
+static inline int compare_pair(const pel_contact_key *a, bool edge_edge, int32_t first, int32_t second)
+{
+    if (a->edge_edge != edge_edge)
+        return a->edge_edge ? 1 : -1;
+    if (a->first != first)
+        return a->first < first ? -1 : 1;
+    return (a->second > second) - (a->second < second);
 }
 
 static int compare_keys(const pel_contact_key *a, const pel_contact_key *b)
 {
-    if (a->edge_edge != b->edge_edge)
-        return a->edge_edge ? 1 : -1;
-    if (a->first != b->first)
-        return a->first < b->first ? -1 : 1;
-    return (a->second > b->second) - (a->second < b->second);
+    return compare_pair(a, b->edge_edge, b->first, b->second);
 }
 
 static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error)
@@ -317,6 +320,7 @@ typedef struct merged_ring {
     int count;
     int32_t triangles[PEL_RING_LIMIT]; /* (count) */
     bool is_known;                     /* one of its pairs was in the list */
+    int32_t corner;
 } merged_ring;
 
 /* rings of a vertex; pairs with triangles in others stand alone */
@@ -345,16 +349,16 @@ static bool is_sought(const merger *m, const pel_contact_key *key)
     return m->sought == NULL || m->sought[group[key->points[0]]] || m->sought[group[key->points[3]]];
 }
 
-/* takes over what comes before a key, all when it is null; true when the next one has this key */
-static bool take_over(merger *m, const pel_contact_key *key)
+/* takes over what comes before a pair, all when it is null; true when the next one is of this pair */
+static bool take_over(merger *m, const pel_collision *pair)
 {
     pel_contact_set *set = m->set;
     PEL_ASSERT(m->old >= 0 && m->old <= set->list.count);
     for (; m->old < set->list.count; m->old++) {
-        int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
+        int order = pair != NULL ? compare_pair(&set->keys[m->old], pair->edge_edge, pair->first, pair->second) : -1;
         if (order >= 0)
             return order == 0;
-        if (m->is_anew && !pel_contact_sleeps(set, &set->keys[m->old]) && is_sought(m, &set->keys[m->old]))
+        if (m->is_anew && !pel_contact_sleeps(set, set->keys[m->old].points) && is_sought(m, &set->keys[m->old]))
             continue;
         set->origins[m->count] = m->old;
         set->other_keys[m->count] = set->keys[m->old];
@@ -496,48 +500,46 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
         twin = pair_at_corner(m, key->border, key->first);
         side = -1;
     }
-    if (twin != NULL && take_over(m, key))
+    if (twin != NULL && take_over(m, pair))
         add_load(&set->keys[m->old++], side, twin);
     return twin != NULL;
 }
 
 /* pairs of a vertex stand for the triangles around the corners that it is nearest to */
-static bool makes_rings(const merger *m, const pel_contact_key *key)
+static bool makes_rings(const merger *m, bool edge_edge)
 {
     const pel_contact_set *set = m->set;
-    return set->def.has_layers && m->is_anew && !m->is_same && !key->edge_edge && set->tangles.count == 0 &&
+    return set->def.has_layers && (m->is_anew || m->is_again) && !m->is_same && !edge_edge && set->tangles.count == 0 &&
            set->def.origin_of_vertex == NULL;
 }
 
-static merged_ring *ring_with(merger *m, const pel_contact_key *key)
+/* the ring of a pair that stands for this one; null = there is none */
+static merged_ring *ring_with(merger *m, const pel_collision *pair)
 {
-    if (m->vertex != key->first)
+    if (!makes_rings(m, pair->edge_edge))
+        return NULL;
+    if (m->vertex != pair->first)
         m->ring_count = 0;
-    m->vertex = key->first;
+    m->vertex = pair->first;
     for (int r = 0; r < m->ring_count; r++)
         for (int i = 0; i < m->rings[r].count; i++)
-            if (m->rings[r].triangles[i] == key->second)
+            if (m->rings[r].triangles[i] == pair->second)
                 return &m->rings[r];
     return NULL;
 }
 
-/* A pair that another one stands for, which takes its load. Slack is that of known pairs, if there are any: others are
-   new because they slid there. */
-static bool is_in_ring(merger *m, const pel_contact_key *key)
+/* A pair that the one of a ring stands for, which takes its load; false = it is the first of them that was known, and
+   is to stand for the ring. Slack is that of known pairs, if there are any: others are new because they slid there. */
+static bool is_in_ring(merger *m, const pel_collision *pair, merged_ring *ring, double slack)
 {
     pel_contact_set *set = m->set;
-    merged_ring *ring = ring_with(m, key);
-    if (ring == NULL)
-        return false;
     pel_contact_key *twin = &set->other_keys[ring->at];
-    bool is_known = take_over(m, key);
-    if (is_known == ring->is_known)
-        twin->slack = pel_max(twin->slack, is_known ? set->keys[m->old].slack : key->slack);
-    else if (is_known)
-        twin->slack = set->keys[m->old].slack;
-    ring->is_known |= is_known;
-    if (!is_known)
-        return true;
+    bool is_known = take_over(m, pair);
+    if (!is_known && !ring->is_known)
+        twin->slack = pel_max(twin->slack, slack);
+    if (!is_known || !ring->is_known)
+        return !is_known;
+    twin->slack = pel_max(twin->slack, set->keys[m->old].slack);
     const pel_contact *old = &set->list.contacts[m->old];
     pel_contact *contact = &set->other_contacts[ring->at];
     if (set->keys[m->old].load > 0 && old->compliance < contact->compliance)
@@ -556,11 +558,41 @@ static void add_ring(merger *m, const pel_collision *pair, bool is_known)
         nearest = pair->hit.weight[i] < pair->hit.weight[nearest] ? i : nearest;
     ring->at = m->count - 1;
     ring->is_known = is_known;
-    ring->count = pel_contact_smooth_ring(m->set, key->second, key->points[nearest], key->first, ring->triangles);
+    ring->corner = key->points[nearest];
+    ring->count = pel_contact_smooth_ring(m->set, key->second, ring->corner, key->first, ring->triangles);
     if (ring->count == 0)
         return;
     m->ring_count++;
     key->ring = nearest;
+}
+
+/* the pair that was merged last, which was known, stands for a ring in place of the one that did */
+static void take_ring(merger *m, merged_ring *ring)
+{
+    pel_contact_set *set = m->set;
+    int32_t at = ring->at, last = m->count - 1;
+    size_t after = (size_t)(last - at);
+    pel_contact_key *keys = set->other_keys + at;
+    memmove(keys, keys + 1, after * sizeof *keys);
+    memmove(set->other_contacts + at, set->other_contacts + at + 1, after * sizeof *set->other_contacts);
+    memmove(set->origins + at, set->origins + at + 1, after * sizeof *set->origins);
+    for (int r = 0; r < m->ring_count; r++)
+        m->rings[r].at -= m->rings[r].at > at;
+    m->count = last;
+    ring->at = last - 1;
+    ring->is_known = true;
+    for (uint8_t i = 1; i < 4; i++)
+        if (set->other_keys[ring->at].points[i] == ring->corner)
+            set->other_keys[ring->at].ring = i;
+}
+
+/* of the pair that was merged last: of a ring that it takes, or of one of its own */
+static void find_ring(merger *m, const pel_collision *pair, bool is_known, merged_ring *ring)
+{
+    if (ring != NULL)
+        take_ring(m, ring);
+    else if (makes_rings(m, pair->edge_edge) && m->ring_count < MOST_RINGS)
+        add_ring(m, pair, is_known);
 }
 
 /* m, slack of a conflict that was known: a pair that was found within the step, nearer than the guard permits, has more
@@ -580,7 +612,7 @@ static bool comes_apart(const merger *m)
 }
 
 /* A pair that was known stays as it was, but for what follows from its approach, and for its ring. */
-static void add_known(merger *m, const pel_collision *pair, double thickness)
+static void add_known(merger *m, const pel_collision *pair, double thickness, merged_ring *ring)
 {
     pel_contact_set *set = m->set;
     pel_contact_key *key = &set->other_keys[m->count];
@@ -592,33 +624,35 @@ static void add_known(merger *m, const pel_collision *pair, double thickness)
     double compliance = compliance_of(set, pair, thickness);
     if (!(key->load > 0) || compliance < (double)contact->compliance)
         contact->compliance = (pel_real)compliance;
-    if (makes_rings(m, key) && m->ring_count < MOST_RINGS)
-        add_ring(m, pair, true);
+    find_ring(m, pair, true, ring);
 }
 
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_contact_set *set = m->set;
-    pel_contact_key key = make_key(set, pair);
-    if (pel_contact_sleeps(set, &key))
+    if (pel_contact_sleeps(set, pair->vertices))
         return;
-    key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = start_distance(m, pair);
     double thickness = pel_contact_pair_thickness(set, pair->vertices);
     double fresh = thickness > start ? thickness - start : 0;
+    merged_ring *ring = ring_with(m, pair);
+    if (ring != NULL && is_in_ring(m, pair, ring, fresh))
+        return;
+    pel_contact_key key = make_key(set, pair);
+    key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     key.slack = comes_apart(m) ? (1 - REGAIN) * fresh : fresh;
     if (m->is_same)
         key.ring = set->keys[number].ring;
-    if (is_again(m, pair, &key) || (makes_rings(m, &key) && is_in_ring(m, &key)))
+    if (is_again(m, pair, &key))
         return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
         return;
-    bool known = take_over(m, &key);
+    bool known = take_over(m, pair);
     if (known && m->is_again) {
-        add_known(m, pair, thickness);
+        add_known(m, pair, thickness, ring);
         return;
     }
     pel_contact contact;
@@ -648,8 +682,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     set->origins[m->count] = -1;
     set->other_keys[m->count] = key;
     set->other_contacts[m->count++] = contact;
-    if (makes_rings(m, &key) && m->ring_count < MOST_RINGS)
-        add_ring(m, pair, known);
+    find_ring(m, pair, known, ring);
 }
 
 /* puts what was found into the list */
@@ -669,56 +702,6 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 }
 
 /* ---- search ---- */
-
-static pel_collision_query query_of(const pel_contact_set *set, double distance)
-{
-    pel_collision_query query = pel_collision_query_default();
-    query.start = (const double *)set->start;
-    query.end = (const double *)set->end;
-    query.min_separation = distance;
-    query.tolerance = PEL_CONTACT_TOLERANCE * set->least;
-    /* layers know where their pairs may touch */
-    query.near = set->def.has_layers ? pel_min(set->near, distance) : set->near;
-    query.method = set->def.method;
-    return query;
-}
-
-/* what comes within the distance between start and end; measure: see pel_collider_list */
-static pel_status search(pel_contact_set *set, double distance, pel_pair_measure *measure, pel_collision_result *found,
-                         pel_error *error)
-{
-    double began = pel_seconds();
-    set->way_is_searched = false;
-    pel_collision_query query = query_of(set, distance);
-    /* What comes within the distance starts within it and the ways of both sides. The search looks no farther. */
-    if (!set->def.has_layers)
-        query.near = pel_min(query.near, distance + 2 * pel_contact_longest_way(set) * (1 + WAY_SLACK));
-    pel_status status = pel_collider_list(set->collider, &query, measure, set, found, error);
-    pel_contact_count_search(set, found);
-    set->statistics.find_seconds += pel_seconds() - began;
-    return status;
-}
-
-/* m, within which a search before a step looks */
-static double reach_of(const pel_contact_set *set, double longest)
-{
-    return pel_min(set->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest, 4 * set->largest);
-}
-
-bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest)
-{
-    const pel_collision_query query = query_of(set, pel_max(least, reach_of(set, longest)));
-    /* a step after a snapshot was loaded decides like that of a run that went on */
-    if (!set->was_clear)
-        pel_collider_go(set->collider, &query, position);
-    set->was_clear = pel_collider_stays_clear(set->collider, &query, longest, false);
-    if (set->was_clear) {
-        set->has_home = false;
-        set->list.count = 0;
-        set->substep = 0;
-    }
-    return set->was_clear;
-}
 
 void pel_contact_set_calm(pel_contact_set *set)
 {
@@ -801,9 +784,10 @@ pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_erro
     pel_status status = make_room(set, 2 * (size_t)set->list.count, error);
     if (status != PEL_OK)
         return status;
+    set->full_count = 0;
     merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_same = true, .vertex = -1};
     for (int32_t c = 0; c < set->list.count; c++) {
-        if (pel_contact_sleeps(set, &set->keys[c]))
+        if (pel_contact_sleeps(set, set->keys[c].points))
             continue;
         pel_collision pair = pair_of(set, &set->keys[c]);
         add_found(&m, &pair, c);
@@ -822,18 +806,38 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     if (!set->def.has_layers)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, pel_contact_longest_way(set));
+    double reach =
+        set->def.has_layers ? set->largest + set->margin : pel_contact_search_reach(set, pel_contact_longest_way(set));
     pel_collision_result found;
-    pel_status status =
-        search(set, pel_max(least, reach), set->def.has_layers ? pel_contact_may_meet : NULL, &found, error);
+    pel_status status = pel_contact_search(set, pel_max(least, reach), set->def.has_layers, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
     merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true, .vertex = -1};
     if (status == PEL_OK)
         status = merge(&m, &found, error);
     set->has_home = status == PEL_OK && set->def.has_layers;
+    set->full_count = set->has_home ? set->list.count : 0;
     if (set->has_home)
         memcpy(set->home, set->end, (size_t)set->point_count * sizeof *set->home);
     return status;
+}
+
+/* layers of pairs that were known and approach faster now */
+static void harden(pel_contact_set *set)
+{
+    for (int32_t c = 0; c < set->list.count; c++) {
+        const pel_contact_key *key = &set->keys[c];
+        pel_contact *contact = &set->list.contacts[c];
+        if (pel_contact_sleeps(set, key->points))
+            continue;
+        pel_collision pair = {.edge_edge = key->edge_edge};
+        memcpy(pair.vertices, key->points, sizeof pair.vertices);
+        memcpy(pair.hit.weight, key->place, sizeof pair.hit.weight);
+        for (int k = 0; k < 3; k++)
+            pair.hit.normal[k] = (double)contact->normal[k];
+        double compliance = compliance_of(set, &pair, pel_contact_pair_thickness(set, key->points));
+        if (!(key->load > 0) || compliance < (double)contact->compliance)
+            contact->compliance = (pel_real)compliance;
+    }
 }
 
 pel_status pel_contact_set_find_again(pel_contact_set *set, const uint8_t *sought, double time, pel_error *error)
@@ -842,71 +846,25 @@ pel_status pel_contact_set_find_again(pel_contact_set *set, const uint8_t *sough
     set->substep = 0;
     set->was_clear = false;
     pel_collision_result found;
+    bool keeps = sought == NULL && set->list.count < MOST_KEPT * set->full_count;
+    pel_status status = keeps ? pel_contact_list_known(set, error) : PEL_OK;
+    set->known.is_used = keeps;
     pel_collider_seek(set->collider, sought);
-    pel_status status = search(set, set->largest + set->margin, pel_contact_may_meet, &found, error);
+    if (status == PEL_OK)
+        status = pel_contact_search(set, set->largest + set->margin, true, &found, error);
     pel_collider_seek(set->collider, NULL);
+    set->known.is_used = false;
     merger m = {
-        .set = set, .sought = sought, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_again = true, .vertex = -1};
+        .set = set, .sought = sought, .obstacle_reach = HUGE_VAL, .is_anew = !keeps, .is_again = true, .vertex = -1};
+    if (keeps)
+        harden(set);
     if (status == PEL_OK)
         status = merge(&m, &found, error);
+    if (!keeps && sought == NULL)
+        set->full_count = status == PEL_OK ? set->list.count : 0;
     set->has_home = status == PEL_OK;
     if (set->has_home)
         memcpy(set->home, set->end, (size_t)set->point_count * sizeof *set->home);
-    return status;
-}
-
-/* these are no part of the surface: their conflicts are not among its pairs */
-static bool has_round_obstacle(const pel_contact_set *set)
-{
-    for (int32_t i = 0; i < set->def.obstacle_count; i++)
-        if (set->obstacles[i].presses && set->obstacles[i].point_begin == set->obstacles[i].point_end)
-            return true;
-    return false;
-}
-
-static bool measure_way(pel_contact_set *set, const pel_collision_query *query, const pel_record *position,
-                        const pel_record *next)
-{
-    pel_contact_set_place_obstacles(set);
-    /* obstacles may have been moved between the steps */
-    bool goes_on = set->was_clear && set->point_count == set->vertex_count;
-    const pel_clearance_way way = {.start_records = goes_on ? NULL : position,
-                                   .end_records = next,
-                                   .record_count = set->vertex_count,
-                                   .start = (const double(*)[3])set->start,
-                                   .end = (const double(*)[3])set->end};
-    return pel_collider_is_clear(set->collider, query, &way);
-}
-
-bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest)
-{
-    double began = pel_seconds();
-    bool has_layers = set->def.has_layers;
-    pel_collision_query query = query_of(set, has_layers ? set->guarded : set->largest);
-    query.near = query.min_separation;
-    bool may_be = (has_layers || set->list.count == 0) && set->tangles.is_known && set->tangles.count == 0 &&
-                  !has_round_obstacle(set);
-    set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
-                                measure_way(set, &query, position, next));
-    if (set->was_clear)
-        set->conflict_count = 0;
-    set->statistics.find_seconds += pel_seconds() - began;
-    return set->was_clear;
-}
-
-pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error)
-{
-    if (set->way_is_searched) {
-        *found = set->on_way;
-        return PEL_OK;
-    }
-    pel_status status = search(set, set->largest, NULL, found, error);
-    double began = pel_seconds();
-    if (status == PEL_OK)
-        status = pel_contact_find_conflicts(set, found, error);
-    set->statistics.guard_seconds += pel_seconds() - began;
-    set->on_way = *found;
-    set->way_is_searched = status == PEL_OK;
     return status;
 }
 

@@ -156,6 +156,14 @@ typedef struct pel_tangles {
     size_t key_capacity;
 } pel_tangles;
 
+/* Which pairs are in the list (known.c): those of a vertex, then those of an edge. */
+typedef struct pel_contact_known {
+    bool is_used;        /* in this search */
+    int32_t (*items)[2]; /* the second features, and the corners that pairs stand for, -1 = none */
+    int32_t *begins[2];  /* (features + 1) of the first features, by kind */
+    size_t item_capacity, begin_capacity[2];
+} pel_contact_known;
+
 /* triangles that may collapse in this step (height.c) */
 typedef struct pel_contact_heights {
     pel_contact_list list;
@@ -184,6 +192,7 @@ typedef struct pel_contact_set {
     int32_t obstacle_triangle_count;
     int32_t (*next_triangles)[3]; /* (next_count) the next surface, until it is finished */
     int32_t next_count;
+    uint8_t *is_fan;               /* (point_count) edges connect all triangles around it */
     int32_t *group_of_point;       /* (point_count) its body, or body_count and its obstacle */
     uint8_t *may_meet;             /* (groups x groups) */
     uint8_t *is_asleep;            /* (groups) nothing of it moves: pairs of two such groups are kept as they are */
@@ -227,7 +236,10 @@ typedef struct pel_contact_set {
     pel_contact_patches patches;
     pel_travel travel; /* in this step */
     double calm_until; /* m, the least of `calm` */
-    bool is_moved;     /* an obstacle has moved in this substep, or in the one before: */
+    pel_contact_known known;
+    int32_t full_count; /* pairs in the list after the last search in this step that went through all; 0 = the next one
+                           does */
+    bool is_moved;      /* an obstacle has moved in this substep, or in the one before: */
     bool moves;
     pel_contact_heights heights;
 
@@ -271,8 +283,8 @@ bool pel_contact_set_widen(pel_contact_set *set);
    near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
    their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
-/* The same in a step: what was known stays as it was when it was looked at last. sought (groups): only for pairs of
-   which one is marked; null = for all. */
+/* The same in a step: what was known stays as it was when it was looked at last, and in the list until a search goes
+   through all pairs again. sought (groups): only for pairs of which one is marked; null = for all. */
 pel_status pel_contact_set_find_again(pel_contact_set *set, const uint8_t *sought, double time, pel_error *error);
 /* Whether the list of the last search has what may touch on the way from start to end, and on ways that are wrong by a
    quarter of the margin: nothing has moved by more than another quarter since. Also false where a smaller margin would
@@ -282,17 +294,6 @@ bool pel_contact_set_serves(const pel_contact_set *set);
 double pel_contact_set_home_reach(const pel_contact_set *set);
 /* Instead of pel_contact_set_find, while it serves: the same pairs where they are now. PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_error *error);
-/* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
-   too little for a pair. With layers, which keep pairs apart: whether nothing can be nearer than the guard permits.
-   True = a search is not needed; start and end need not be those of the step. longest [m]: bound
-   of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
-   pel_contact_set_place_start was called after it. */
-bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest);
-/* Instead of pel_contact_set_find, without obstacles: true = it would find nothing if no point goes farther than
-   `longest` [m] from these positions. */
-bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest);
-/* What comes too near between start and end, and the conflicts among it; nothing is searched twice. */
-pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error);
 /* Puts what pel_contact_set_search_way found into the list; contacts that were there keep their sums.
  * PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
@@ -311,19 +312,48 @@ bool pel_contact_set_expect(pel_contact_set *set, int32_t count);
 bool pel_contact_set_restore(pel_contact_set *set);
 /* Takes over the pairs and the margin of another set of the same points and triangles. False when out of memory. */
 bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from);
-/* Whether both sides are asleep. */
-bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key);
+/* Whether both sides of a pair are asleep. */
+bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4]);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
+
+/* ---- search.c ---- */
+/* What comes within a distance [m] between start and end; for_layers: what may, if ways are wrong. */
+pel_status pel_contact_search(pel_contact_set *set, double distance, bool for_layers, pel_collision_result *found,
+                              pel_error *error);
+/* m, within which a search before a step looks, when points go this far at most */
+double pel_contact_search_reach(const pel_contact_set *set, double longest);
+/* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
+   too little for a pair. With layers, which keep pairs apart: whether nothing can be nearer than the guard permits.
+   True = a search is not needed; start and end need not be those of the step. longest [m]: bound
+   of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
+   pel_contact_set_place_start was called after it. */
+bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest);
+/* Instead of pel_contact_set_find, without obstacles: true = it would find nothing if no point goes farther than
+   `longest` [m] from these positions. */
+bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest);
+/* What comes too near between start and end, and the conflicts among it; nothing is searched twice. */
+pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error);
 
 /* ---- meet.c ---- */
 /* Fills in the closest points of a pair at `start`, and the direction from one to the other; returns their distance
    [m]. */
 double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair);
-/* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. Where two
-   edges meet at an end or are parallel and hardly slide, vertices keep them apart. A measure of pel_collider_list with
-   a set as its context: fills in what the one above does. */
+/* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. A measure of
+   pel_collider_list with a set as its context: fills in what the one above does. */
 bool pel_contact_may_meet(const void *set, pel_collision *pair);
+/* Its sieve: where two edges meet at an end or are parallel and hardly slide, vertices keep them apart; and known pairs
+   need not be found again. */
+int32_t pel_contact_sift(const void *set, bool edge_edge, const pel_pair *pairs, const int32_t (*points)[4],
+                         int32_t count, int32_t *numbers);
+
+/* ---- known.c ---- */
+/* After a change of the surface. */
+void pel_contact_find_fans(pel_contact_set *set);
+/* The pairs of the list, and the triangles around the corners that they stand for. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_list_known(pel_contact_set *set, pel_error *error);
+bool pel_contact_is_known(const pel_contact_known *known, bool edge_edge, const pel_pair *pair,
+                          const int32_t points[4]);
 
 /* ---- distance.c ---- */
 /* After a change of the thickness of groups: the distances of the set, which has no contacts yet. */

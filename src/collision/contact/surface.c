@@ -231,6 +231,7 @@ pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_e
     set->triangles = pel_collider_tree(set->collider)->triangles;
     set->triangle_count = set->next_count;
     pel_contact_heights_set_surface(set);
+    pel_contact_find_fans(set);
     return PEL_OK;
 }
 
@@ -281,10 +282,10 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
         PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
         PEL_ROOM(set->is_asleep, group_count), PEL_ROOM(set->start, point_count + 1),
         PEL_ROOM(set->end, point_count + 1), PEL_ROOM(set->home, set->def.has_layers ? point_count : 0),
-        PEL_ROOM(set->shape, point_count), PEL_ROOM(set->bend, set->vertex_count), PEL_ROOM(set->is_stray, group_count),
-        PEL_ROOM(set->substep_start, obstacle_points), PEL_ROOM(set->substep_end, obstacle_points),
-        PEL_ROOM(set->heights.bounds, triangles), PEL_ROOM(set->heights.places, set->vertex_count),
-        PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));
+        PEL_ROOM(set->shape, point_count), PEL_ROOM(set->is_fan, point_count), PEL_ROOM(set->bend, set->vertex_count),
+        PEL_ROOM(set->is_stray, group_count), PEL_ROOM(set->substep_start, obstacle_points),
+        PEL_ROOM(set->substep_end, obstacle_points), PEL_ROOM(set->heights.bounds, triangles),
+        PEL_ROOM(set->heights.places, set->vertex_count), PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

@@ -489,6 +489,8 @@ static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_reco
                                                    sim->step.dt * (until - share), error);
     while (status == PEL_OK && pel_sleep_meet(sim)) {
         keeps_looks = false;
+        /* pairs of what woke are found anew */
+        contacts->full_count = 0;
         status = pel_contact_set_find_again(contacts, NULL, sim->step.dt * (until - share), error);
     }
     if (status == PEL_OK)
@@ -852,7 +854,7 @@ void pel_contacts_tally_asleep(pel_sim *sim)
     const pel_contact_set *contacts = sim->contacts;
     for (int32_t c = 0; contacts != NULL && contacts->asleep_count > 0 && c < contacts->list.count; c++) {
         pel_contact_key *key = &contacts->keys[c];
-        if (!(key->load > 0) || !pel_contact_sleeps(contacts, key))
+        if (!(key->load > 0) || !pel_contact_sleeps(contacts, key->points))
             continue;
         pel_contact contact = contacts->list.contacts[c];
         contact.multiplier = (pel_real)key->load;

@@ -116,7 +116,7 @@ static void save_layer(pel_cursor *at, const pel_contact_set *set, int32_t c)
 {
     const pel_contact_key *key = &set->keys[c];
     const pel_contact *contact = &set->list.contacts[c];
-    bool sleeps = pel_contact_sleeps(set, key);
+    bool sleeps = pel_contact_sleeps(set, key->points);
     layer_name name = {key->first, key->second,
                        (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u) |
                            (sleeps ? LAYER_IS_ASLEEP : 0u) | (uint32_t)LAYER_RING * key->ring};
