@@ -110,6 +110,42 @@ static void test_concave_rim(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a long rim like an eight, two vertices of which are at the same place: no chord joins them, and no triangle is flat
+ */
+static void test_pinched_rim(void **unused)
+{
+    (void)unused;
+    enum { N = 200 };
+    const double pi = 3.14159265358979323846;
+    double positions[2 * N][3];
+    int32_t triangles[2 * N][3];
+    for (int i = 0; i < N; i++) {
+        const double angle = 2 * pi * i / N, radius = i % (N / 2) == 0 ? 0 : fabs(sin(angle));
+        for (int k = 0; k < 2; k++) {
+            positions[k * N + i][0] = (radius + k) * cos(angle);
+            positions[k * N + i][1] = (radius + k) * sin(angle);
+            positions[k * N + i][2] = -k;
+        }
+        const int32_t a = i, b = (i + 1) % N, wall[2][3] = {{a, N + b, b}, {a, N + a, N + b}};
+        memcpy(triangles[2 * i], wall, sizeof wall);
+    }
+    pel_mesh *mesh, *filled;
+    pel_fill_summary summary;
+    assert_int_equal(pel_mesh_create(positions[0], 2 * N, triangles[0], 2 * N, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_fill_holes(mesh, 1000, &filled, &summary, NULL), PEL_OK);
+    assert_int_equal(summary.filled_holes, 2);
+    for (int32_t t = mesh->triangle_count; t < filled->triangle_count; t++) {
+        bool has[2] = {false, false};
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 2; k++)
+                has[k] |= filled->triangles[t][c] == k * N / 2;
+        assert_false(has[0] && has[1]);
+    }
+    assert_true(summary.quality_min > 0);
+    pel_mesh_destroy(filled);
+    pel_mesh_destroy(mesh);
+}
+
 /* rims beyond the limit stay, and the rim of a single triangle encloses nothing */
 static void test_left_holes(void **unused)
 {
@@ -202,9 +238,13 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_caps),       cmocka_unit_test(test_concave_rim),
-        cmocka_unit_test(test_left_holes), cmocka_unit_test(test_random_holes),
-        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_caps),
+        cmocka_unit_test(test_concave_rim),
+        cmocka_unit_test(test_pinched_rim),
+        cmocka_unit_test(test_left_holes),
+        cmocka_unit_test(test_random_holes),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
