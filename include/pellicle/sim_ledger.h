@@ -51,7 +51,7 @@ typedef struct pel_sim_ledger {
     double dissipated_fracture; /* taken by tears: toughness x thickness x length; by seams: half their force times
                                    their opening; released by cuts: the bending across them */
     double dissipated_remesh;   /* of tears: the bending across them, and what vertices that move over the surface lose;
-                                   below 0 if they gain */
+                                   under `static` also what refinement changes; below 0 if they gain */
     double dissipated_plastic;  /* by folds that yield: their moments times plastic angles */
     double dissipated_solver;   /* magnitude of a negative remainder */
     double energy_error;        /* a positive remainder */

@@ -22,8 +22,10 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/vec3.h"
+#include "observe/ledger.h"
 #include "pellicle/sim_surface.h"
 #include "stage/shells.h"
+#include "stage/stepper.h"
 #include "stage/surface_view.h"
 #include "tool/refine.h"
 
@@ -162,6 +164,7 @@ static void commit(pel_sim *sim, int32_t body)
     pel_refined_model *active = sim->active;
     pel_refined_body *own = &active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
+    const double energy_before = sim->stepper->is_static ? pel_ledger_energy(sim) : 0;
     sim->present.has_force = false;
     double shells_before = pel_refine_energy_before(sim, body);
     pel_refined_commit(active, body, sim->state);
@@ -176,6 +179,10 @@ static void commit(pel_sim *sim, int32_t body)
     pel_tool_search_update(sim->tools->search, body);
     pel_shells_follow(sim, body);
     pel_refine_keep_energy(sim, body, shells_before);
+    /* a rest on another mesh has another energy, which nothing took or gave; of motion a change is an error */
+    if (sim->stepper->is_static)
+        pel_ledger_book_remesh(sim, energy_before);
+    sim->present.has_force = false;
 }
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
