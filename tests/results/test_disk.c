@@ -44,6 +44,37 @@ static void test_bytes(void **unused)
     need = (pel_disk_need){.frame_count = 200000, .frame_bytes = 0.001, .frame_seconds = 0.1};
     assert_int_equal(check(&need, ".", &error), PEL_OK);
     assert_non_null(strstr(told, "200000 frames"));
+    assert_non_null(strstr(told, "set output.every to 0.2 s or more"));
+    /* 20 GB are told, wherever they go */
+    need = (pel_disk_need){.frame_count = 10, .frame_bytes = 2e9, .frame_seconds = 0.1, .may_take_less = true};
+    assert_int_equal(check(&need, ".", &error), PEL_OK);
+    assert_non_null(strstr(told, "10 frames of 2e+03 MB take about 20 GB"));
+}
+
+/* points, fields and indices, in either precision; the files themselves are compared in cli/faults */
+static void test_frame(void **unused)
+{
+    (void)unused;
+    pel_vtp_field fields[2] = {{.component_count = 3}, {.component_count = 1}}, cells[1] = {{.component_count = 2}};
+    pel_run_surface surface = {.vertex_count = 100000, .triangle_count = 200000, .fields = fields, .field_count = 2};
+    pel_output_def output = {.every = 0.1};
+    const double least = 1000, most = 2000;
+    const struct {
+        bool float64, compress;
+        int32_t cells;
+        double bytes;
+    } cases[] = {{false, false, 0, 4 * 7e5 + 16 * 2e5},
+                 {true, false, 0, 8 * 7e5 + 16 * 2e5},
+                 {false, false, 1, 4 * 11e5 + 16 * 2e5},
+                 {false, true, 0, 0.2 * (4 * 7e5 + 16 * 2e5)}};
+    surface.cell_fields = cells;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        output.float64 = cases[i].float64;
+        output.compress = cases[i].compress;
+        surface.cell_field_count = cases[i].cells;
+        double text = pel_run_frame_bytes(&surface, &output) - cases[i].bytes;
+        assert_true(text > least && text < most);
+    }
 }
 
 static void test_checkpoints(void **unused)
@@ -97,10 +128,8 @@ static void test_missing_folders(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_checkpoints),
-        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_missing_folders),
+        cmocka_unit_test(test_bytes), cmocka_unit_test(test_frame),           cmocka_unit_test(test_checkpoints),
+        cmocka_unit_test(test_files), cmocka_unit_test(test_missing_folders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
