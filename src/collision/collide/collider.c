@@ -39,7 +39,7 @@ typedef struct collision_list {
 typedef struct part {
     collision_list list;
     pel_ccd_statistics statistics;
-    int64_t near_count; /* pairs that were measured */
+    int64_t left_count, near_count; /* pairs that the sieve left, and that passed the filter */
     pel_status status;
 } part;
 
@@ -408,25 +408,24 @@ static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t co
 static int32_t choose_pairs(const narrow *n, const pel_ccd_batch *batch, const pel_pair *pairs,
                             const int32_t (*points)[4], int32_t chosen[BLOCK], part *p)
 {
-    int32_t count = batch->query_count, near[BLOCK], few_points[BLOCK][4];
-    pel_pair few[BLOCK];
-    bool has_sieve = n->test->sieve != NULL;
-    int32_t near_count = n->is_filtered ? pel_ccd_near_batch(batch, near) : count;
-    p->near_count += near_count;
-    if (!n->is_filtered && has_sieve)
-        return n->test->sieve(n->test->context, n->edge_edge, pairs, points, count, chosen);
-    for (int32_t i = 0; i < near_count; i++) {
-        near[i] = n->is_filtered ? near[i] : i;
-        memcpy(few_points[i], points[near[i]], sizeof few_points[i]);
-        few[i] = pairs[near[i]];
+    int32_t count = batch->query_count, near[BLOCK], few[BLOCK][4];
+    for (int32_t i = 0; i < count; i++)
         chosen[i] = i;
-    }
-    if (has_sieve)
-        near_count =
-            n->test->sieve(n->test->context, n->edge_edge, few, (const int32_t(*)[4])few_points, near_count, chosen);
-    for (int32_t i = 0; i < near_count; i++)
-        chosen[i] = near[chosen[i]];
-    return near_count;
+    if (n->test->sieve != NULL)
+        count = n->test->sieve(n->test->context, n->edge_edge, pairs, points, count, chosen);
+    p->left_count += count;
+    if (!n->is_filtered)
+        return count;
+    for (int32_t i = 0; i < count; i++)
+        memcpy(few[i], points[chosen[i]], sizeof few[i]);
+    pel_ccd_batch left = *batch;
+    left.points = few[0];
+    left.query_count = count;
+    count = pel_ccd_near_batch(&left, near);
+    for (int32_t i = 0; i < count; i++)
+        chosen[i] = chosen[near[i]];
+    p->near_count += count;
+    return count;
 }
 
 static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
@@ -455,7 +454,7 @@ static void solve_part(void *context, int32_t number)
     part *p = &n->parts[number];
     size_t begin = n->pair_count * (size_t)number / PARTS, end = n->pair_count * ((size_t)number + 1) / PARTS;
     p->list.count = 0;
-    p->near_count = 0;
+    p->left_count = p->near_count = 0;
     p->status = pel_pool_is_stopped(n->pool) ? PEL_STOPPED : PEL_OK;
     p->statistics = (pel_ccd_statistics){0};
     for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK) {
@@ -539,12 +538,14 @@ static pel_status gather(pel_collider *collider, bool edge_edge, pel_error *erro
 }
 
 /* how many further searches go without a filter */
-static int32_t choose_unfiltered(const pel_collider *collider, size_t pair_count)
+static int32_t choose_unfiltered(const pel_collider *collider)
 {
-    int64_t near_count = 0;
-    for (int i = 0; i < PARTS; i++)
+    int64_t left_count = 0, near_count = 0;
+    for (int i = 0; i < PARTS; i++) {
+        left_count += collider->parts[i].left_count;
         near_count += collider->parts[i].near_count;
-    return (double)near_count > MOST_NEAR * (double)pair_count ? UNFILTERED_SEARCHES : 0;
+    }
+    return (double)near_count > MOST_NEAR * (double)left_count ? UNFILTERED_SEARCHES : 0;
 }
 
 /* solves the pairs of one kind and adds the hits */
@@ -562,7 +563,7 @@ static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_li
     n.is_filtered = *unfiltered == 0;
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
     if (n.test != NULL)
-        *unfiltered = n.is_filtered ? choose_unfiltered(collider, pairs->count) : *unfiltered - 1;
+        *unfiltered = n.is_filtered ? choose_unfiltered(collider) : *unfiltered - 1;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
         if (p->status == PEL_STOPPED)

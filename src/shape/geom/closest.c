@@ -35,7 +35,8 @@ static double between(const double a[3], const double b[3], double s, const doub
     return squared_length(q);
 }
 
-double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2])
+/* in line where it is asked for several ends or sides */
+static inline double closest_on_segment(const double p[3], const double a[3], const double b[3], double weights[2])
 {
     double ab[3], ap[3], bp[3], q[3];
     pel_vec3_subtract(b, a, ab);
@@ -58,23 +59,28 @@ double pel_closest_point_segment(const double p[3], const double a[3], const dou
     return squared_length(q);
 }
 
+double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2])
+{
+    return closest_on_segment(p, a, b, weights);
+}
+
 /* nearest point of the three sides; weights (3) */
 static double closest_side(const double p[3], const double *const corners[3], double weights[3])
 {
-    double best = HUGE_VAL;
-    weights[0] = 1;
-    weights[1] = weights[2] = 0;
+    double best = HUGE_VAL, nearest[2] = {1, 0};
+    int side = 0;
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3;
-        double side[2];
-        double distance2 = pel_closest_point_segment(p, corners[i], corners[j], side);
+        double own[2];
+        double distance2 = closest_on_segment(p, corners[i], corners[(i + 1) % 3], own);
         if (distance2 < best) {
             best = distance2;
-            memset(weights, 0, 3 * sizeof *weights);
-            weights[i] = side[0];
-            weights[j] = side[1];
+            side = i;
+            memcpy(nearest, own, sizeof nearest);
         }
     }
+    weights[side] = nearest[0];
+    weights[(side + 1) % 3] = nearest[1];
+    weights[(side + 2) % 3] = 0;
     return best;
 }
 
@@ -148,20 +154,21 @@ static bool lines_inside(const double a[3], const double b[3], const double c[3]
 static double closest_ends(const double *const ends[4], double weights[4])
 {
     static const int point[4] = {0, 1, 2, 3}, from[4] = {2, 2, 0, 0};
-    double best = HUGE_VAL;
-    memset(weights, 0, 4 * sizeof *weights);
-    weights[0] = weights[2] = 1;
+    double best = HUGE_VAL, nearest[2] = {1, 0};
+    int end = 0;
     for (int i = 0; i < 4; i++) {
-        double side[2];
-        double distance2 = pel_closest_point_segment(ends[point[i]], ends[from[i]], ends[from[i] + 1], side);
+        double own[2];
+        double distance2 = closest_on_segment(ends[point[i]], ends[from[i]], ends[from[i] + 1], own);
         if (distance2 < best) {
             best = distance2;
-            memset(weights, 0, 4 * sizeof *weights);
-            weights[point[i]] = 1;
-            weights[from[i]] = side[0];
-            weights[from[i] + 1] = side[1];
+            end = i;
+            memcpy(nearest, own, sizeof nearest);
         }
     }
+    memset(weights, 0, 4 * sizeof *weights);
+    weights[point[end]] = 1;
+    weights[from[end]] = nearest[0];
+    weights[from[end] + 1] = nearest[1];
     return best;
 }
 
