@@ -31,6 +31,10 @@
 #define BALL                                                                                                           \
     "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
     "    membrane: { preset: steel-sheet }\n    bending: {}\n    pressure: { inside: 1000 }\n"
+#define GAS                                                                                                            \
+    "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.1 }\n"           \
+    "    membrane: { young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n    mass: { density: 1000 }\n"                    \
+    "    pressure: { gas: { outside: -500 } }\n"
 #define SHEET                                                                                                          \
     "version: 1\nbodies:\n  - name: card\n    mesh: { shape: grid, nx: 3, ny: 3, size_x: 9, size_y: 9 }\n"             \
     "    membrane: { preset: rubber }\n"
@@ -73,8 +77,10 @@ static void test_choice(void **unused)
         {BAND "    velocity: [0.1, 0, 0]\nduration: 0.5\n", 0.0005,
          "vibration that the motion at the start starts, 41."},
         /* motion at the start, contact with nothing, and ties that open change nothing */
-        {RULER "    velocity: [0, 0, 1]\n    angular_velocity: [0, 1, 0]\nduration: 1\n", 0.002,
-         "vibration of body 'ruler', 10."},
+        {RULER "    velocity: [0, 0, 1]\n    angular_velocity: [0, 1, 0]\nduration: 1\n", 0.0003125,
+         "vibration that the motion at the start starts, 6"},
+        /* a gas is as stiff for it as the skin */
+        {GAS "duration: 0.05\n", 6.25e-5, "vibration that the pressure starts, 33"},
         {RULER "duration: 1\ncontact: {}\n", 0.002, "vibration of body 'ruler', 10."},
         {RULER "duration: 1\nattachments: [ { at: { nearest: [0.1, 0, 0] }, until: 0.1 } ]\n", 0.002,
          "vibration of body 'ruler', 10."},

@@ -18,6 +18,8 @@
 #define SLOW_PERIODS 10
 /* of the largest energy */
 #define LEAST_SHARE 0.01
+/* of the energy of a velocity, in one mode */
+#define LEAST_PART 0.1
 /* of the size of the body, by which its weight moves it */
 #define LEAST_SAG 1e-3
 #define PI 3.14159265358979323846
@@ -120,8 +122,30 @@ static void take_weight(causes *all)
     const cause *made = take(all, 0, "%s", "gravity");
     if (made->response.reach < LEAST_SAG * all->sim->minimise->size)
         take_back(all, made);
+}
+
+/* the highest mode that has enough of the energy of a velocity at the start, which is that of its share of the mass */
+static void take_motion(causes *all)
+{
+    const pel_model *model = all->sim->model;
     weigh(all, all->body->velocity);
-    take(all, 2, "%s", "the motion at the start");
+    cause *made = take(all, 2, "%s", "the motion at the start");
+    double energy = 0;
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        energy += model->inverse_mass[v] > 0
+                      ? (double)model->mass[v] * pel_vec3_dot(all->body->velocity, all->body->velocity)
+                      : 0;
+    weigh(all, all->body->velocity);
+    for (int32_t m = 0; m < all->sim->modes->count; m++) {
+        const double *mode = pel_modes_vector(all->sim->modes->modes, m);
+        double along = 0, mass = 0;
+        for (int32_t u = 0; u < 3 * model->vertex_count; u++) {
+            along += mode[u] * all->force[u];
+            mass += (double)model->mass[u / 3] * mode[u] * mode[u];
+        }
+        if (along * along >= LEAST_PART * mass * energy)
+            made->response.frequency = pel_max(made->response.frequency, all->sim->modes->values[m]);
+    }
 }
 
 /* along the normals, as if on all of the surface */
@@ -195,6 +219,7 @@ pel_status pel_excited_find(const pel_scene *scene, int32_t body, pel_sim *sim, 
     if (all.force != NULL && all.found != NULL) {
         take_loads(&all, body);
         take_weight(&all);
+        take_motion(&all);
         take_pressure(&all);
         take_pins(&all, body);
         take_supports(&all, body);

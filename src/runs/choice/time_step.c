@@ -242,7 +242,10 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, p
     double values[MODE_COUNT];
     pel_model *model = NULL;
     pel_sim *sim = NULL;
-    body.shell.pressure.kind = PEL_PRESSURE_NONE;
+    /* a gas is stiff at rest too */
+    if (body.shell.pressure.kind != PEL_PRESSURE_GAS)
+        body.shell.pressure.kind = PEL_PRESSURE_NONE;
+    body.shell.pressure.outside = (pel_quantity){0};
     bool is_viscous = mark_damped(&body);
     own.bodies = &body;
     own.body_count = 1;

@@ -33,7 +33,7 @@ static bool leaves_dt(const pel_scene *scene)
 static bool leaves_order(const pel_scene *scene, const pel_def_row *row)
 {
     const pel_scene_value *order = pel_scene_value_at(pel_scene_root(scene), "solver.second_order");
-    if (scene->sim.solver.method != PEL_METHOD_XPBD || order == NULL || !order->is_implied)
+    if (!pel_stepper_of(scene->sim.solver.method)->is_compliant || order == NULL || !order->is_implied)
         return false;
     bool damps = strstr(row->path, "drag") != NULL || strstr(row->path, "damping") != NULL;
     return row->def == PEL_DEF_TOOL || (damps && pel_scene_lets_go(scene));
