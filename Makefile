@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines compilers endurance blender reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers bench-bodies web wasm site machines compilers endurance blender reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -43,6 +43,9 @@ bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
+
+bench-bodies: program need-dev need-bodies ## compare tetrahedra with CalculiX and rigid bodies with Bullet
+	@tools/bodies-beside-peers
 
 bench-peers: need-demo need-dev ## compare subdivision with VTK and OpenMesh (needs libvtk9-dev, libopenmesh-dev; MESH=file)
 	@cmake --preset release -B build/peers -DPELLICLE_PEERS=ON -DPELLICLE_TESTS=OFF -DPELLICLE_PROGRAM=OFF >/dev/null
