@@ -90,6 +90,20 @@ static inline void pel_pose_to_world(const pel_pose *pose, const double local[3]
     pel_vec3_add(world, pose->position, world);
 }
 
+/* As pel_pose_to_world, but between two poses the point stays behind along a line (two points of the frame). */
+static inline void pel_pose_slide(const pel_pose *from, const pel_pose *to, const double line[2][3],
+                                  const double local[3], double world[3])
+{
+    double along[3], way[3];
+    pel_vec3_subtract(line[1], line[0], along);
+    pel_rotate(to->rotation, along, along);
+    pel_vec3_normalize(along);
+    pel_pose_to_world(from, local, way);
+    pel_pose_to_world(to, local, world);
+    pel_vec3_subtract(way, world, way);
+    pel_vec3_along(world, pel_vec3_dot(way, along), along, world);
+}
+
 /* rotation vector [rad] from a to b, whole turns included */
 static inline void pel_pose_turn(const pel_pose *a, const pel_pose *b, double turn[3])
 {

@@ -336,7 +336,7 @@ void pel_blade_take_on(pel_sim *sim, pel_tool *tool, pel_blade_tip *tip)
 /* a hook lets go of all above its limit, a blade drags */
 static void follow_hold(hold *h, double limit)
 {
-    double axis[3], force[3], along[3];
+    double axis[3], force[3], along[3], x[3];
     axis_of(h, axis);
     pel_vec3_copy(h->sim->tools->grip_forces[h->v], force);
     take_out(axis, force, along);
@@ -350,7 +350,9 @@ static void follow_hold(hold *h, double limit)
     if (is_hook)
         return;
     read_way(h);
-    /* along its edge a blade holds nothing */
+    /* along its edge, where a blade holds nothing, the vertex has stayed (tool/follow.c) */
+    pel_vertex_position(h->sim->state->position, h->v, x);
+    pel_pose_to_local(&h->tool->pose, x, h->tool->anchors[h->i]);
     shift(h, 1 / stiffness_of(h->sim, h->tip->body), along);
     if (h->sim->loads->dragged == NULL)
         slide(h, limit);

@@ -1,6 +1,5 @@
-/* A support that follows a sequence has, beside its pose, a place along the sequence: the length in metres that its
-   fastest vertex may have gone. Poses between two poses, ways of tools and the guard treat it like the rest of a pose,
-   so that a support that contact holds back is late in its sequence. */
+/* A support that follows a sequence has, beside its pose, a place along it: the length [m] that its fastest vertex may
+   have gone. Ways of tools and the guard treat it like the rest of a pose: contact may make the support late. */
 #include "tool/follow.h"
 
 #include "base/memory.h"
@@ -97,26 +96,34 @@ static void place_at(const pel_tool_path *path, int32_t v, double place[3])
     pel_vec3_subtract(place, path->tool->center, place);
 }
 
+/* along its edge a blade that has pierced holds nothing */
+static bool slides(const pel_tool *tool)
+{
+    bool is_blade = tool->blade != NULL && tool->solid.shape != PEL_TOOL_HOOK;
+    for (int32_t i = 0; is_blade && i < tool->blade->tip_count; i++)
+        is_blade = !tool->blade->tips[i].is_pressing;
+    return is_blade;
+}
+
 void pel_tool_path_target(const pel_tool_path *path, int32_t i, double target[3])
 {
     const pel_tool *tool = path->tool;
-    double place[3];
-    if (tool->sequence == NULL) {
-        pel_pose_to_world(path->pose, tool->anchors[i], target);
-        return;
-    }
-    place_at(path, tool->held[i], place);
+    double place[3] = {0};
+    if (tool->sequence != NULL)
+        place_at(path, tool->held[i], place);
     pel_vec3_add(place, tool->anchors[i], place);
-    pel_pose_to_world(path->pose, place, target);
+    if (slides(tool))
+        pel_pose_slide(&tool->blade->pose_before, path->pose, (const double(*)[3])tool->solid.edge, place, target);
+    else
+        pel_pose_to_world(path->pose, place, target);
 }
 
 void pel_tool_path_anchor(const pel_tool_path *path, int32_t v, const double x[3], double anchor[3])
 {
-    double place[3];
+    double place[3] = {0};
     pel_pose_to_local(path->pose, x, anchor);
-    if (path->tool->sequence == NULL)
-        return;
-    place_at(path, v, place);
+    if (path->tool->sequence != NULL)
+        place_at(path, v, place);
     pel_vec3_subtract(anchor, place, anchor);
 }
 

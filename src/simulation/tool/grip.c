@@ -260,7 +260,7 @@ void pel_tools_list_held(pel_sim *sim)
 static void carried_velocity(const pel_sim *sim, const pel_tool_path *before, int32_t i, const double target[3],
                              double velocity[3])
 {
-    if (before->tool->sequence == NULL) {
+    if (before->tool->sequence == NULL && before->tool->blade == NULL) {
         pel_tool_velocity(before->tool, target, sim->step.dt, velocity);
         return;
     }

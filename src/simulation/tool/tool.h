@@ -52,11 +52,10 @@ typedef struct pel_stops {
 #define PEL_LEAST_STRIDE 0.01
 #define PEL_STUCK_STRIDE (PEL_LEAST_STRIDE / 1024)
 
-/* planes a tool remembers at most; they matter where it touches few, large triangles */
-enum { PEL_PLANE_LIMIT = 1024 };
+/* planes a tool remembers at most (they matter where it touches few, large triangles); places where a blade cuts */
+enum { PEL_PLANE_LIMIT = 1024, PEL_BLADE_TIPS = 32 };
 
-/* History of a tool since the start. */
-typedef struct pel_tool_tally {
+typedef struct pel_tool_tally {          /* since the start */
     int64_t held_back_count, lost_count; /* steps; vertices */
     double held_back_time, lost_time;    /* s, of the first one; 0 = none yet */
     double lost_limit;                   /* N, that the first ones exceeded; 0 = the grasp was stuck */
@@ -64,27 +63,21 @@ typedef struct pel_tool_tally {
 
 /* Where a blade is in a surface. */
 typedef struct pel_blade_tip {
-    int32_t body, vertex; /* of the mesh: the end of the cut, or the vertex where it is to begin */
-    int32_t is_open;      /* the edge behind it is */
-    int32_t is_pressing;  /* the blade rests on the surface, and has not pierced it */
-    double from[3];       /* m, at rest: where the blade met the surface */
-    double to[3];         /* m, at rest: where it was last */
-    double ahead[3];      /* unit, at rest: the last edge; 0 = none yet */
-    double pull[3];       /* N, of the vertex on the blade when it last held it; 0 = not yet */
-    double width;         /* m, at rest, of the edge that presses */
+    int32_t body, vertex;         /* of the mesh: the end of the cut, or the vertex where it is to begin */
+    int32_t is_open, is_pressing; /* the edge behind it is; the blade rests on the surface, and has not pierced it */
+    double from[3], to[3];        /* m, at rest: where the blade met the surface, and where it was last */
+    double ahead[3];              /* unit, at rest: the last edge; 0 = none yet */
+    double pull[3];               /* N, of the vertex on the blade when it last held it; 0 = not yet */
+    double width;                 /* m, at rest, of the edge that presses */
     double slack; /* m, by which a vertex that the blade drags may overtake it; 0 = the blade holds the vertex */
 } pel_blade_tip;
 
-/* places at which one blade cuts at most */
-enum { PEL_BLADE_TIPS = 32 };
-
 typedef struct pel_blade {
     pel_blade_tip tips[PEL_BLADE_TIPS]; /* (tip_count) */
-    int32_t tip_count;
+    int32_t tip_count, closing_count;
     pel_pose pose_before;         /* at the start of the step */
     double closed, closed_before; /* share of scissors at present, and then; else 1 */
     pel_key *closing;             /* (closing_count) of scissors; else null */
-    int32_t closing_count;
 } pel_blade;
 
 typedef struct pel_tool {
