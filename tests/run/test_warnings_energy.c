@@ -27,7 +27,7 @@ static void test_unresolved(void **unused)
         warning = find_warning(&summary, "unresolved-motion");
         assert_true((warning != NULL) == !cases[i].warns);
         assert_true(warning == NULL ||
-                    strstr(warning->text, "40 steps in the vibration that the pressure starts, 100 Hz") != NULL);
+                    strstr(warning->text, "40 steps in the slowest vibration of body 'balloon'") != NULL);
     }
 }
 
@@ -82,6 +82,22 @@ static void test_tool_that_stands(void **unused)
     assert_true(ledger->elastic > 0.25);
     assert_true(ledger->energy_error < 1e-6 * ledger->elastic);
     assert_true(ledger->work_tools < 1.5 * ledger->elastic);
+}
+
+/* A strip that is thrown out of its clamp swings far: gains of energy in many steps, each less than 1 %, do not add up.
+ */
+static void test_thrown_strip(void **unused)
+{
+    (void)unused;
+    static const char strip[] =
+        "version: 1\nbodies:\n  - name: strip\n    mesh: { shape: grid, nx: 40, ny: 4, size_x: 0.2, size_y: 0.02 }\n"
+        "    membrane: { young: 1.0e6, poisson: 0, thickness: 0.002 }\n    mass: { density: 1000 }\n"
+        "    supports: [ { at: { box: { min: [-1, -1, -1], max: [-0.0999, 1, 1] } }, rotation: fixed } ]\n"
+        "    velocity: [0, 0, 0.05]\nsolver: { dt: 0.01 }\nduration: 4\noutput: { every: 0.1 }\n";
+    pel_run_summary summary;
+    run_scene(strip, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+    assert_true(summary.ledger.energy_error < 0.02 * summary.ledger.supplied);
 }
 
 /* The force on a ball that a stretched sheet presses against is the same in second order: each substep in which it
@@ -183,9 +199,13 @@ static void test_unresolved_bounce(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unresolved),         cmocka_unit_test(test_struck_drum),
-        cmocka_unit_test(test_tool_that_stands),   cmocka_unit_test(test_pressed_in_second_order),
-        cmocka_unit_test(test_unresolved_flutter), cmocka_unit_test(test_damped_energy),
+        cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_struck_drum),
+        cmocka_unit_test(test_tool_that_stands),
+        cmocka_unit_test(test_thrown_strip),
+        cmocka_unit_test(test_pressed_in_second_order),
+        cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),
         cmocka_unit_test(test_unresolved_bounce),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);

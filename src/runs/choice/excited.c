@@ -148,13 +148,15 @@ static void take_motion(causes *all)
     }
 }
 
-/* along the normals, as if on all of the surface */
+/* Along the normals, as if on all of the surface. A pressure without keys, of no gas, is there to inflate, and may be
+   damped. */
 static void take_pressure(causes *all)
 {
     const pel_model *model = all->sim->model;
     const pel_quantity *pressure = &all->body->shell.pressure.outside;
     double x[3][3], across[3];
-    if (pressure->field == NULL && pressure->key_count == 0 && pressure->value == 0)
+    const bool is_gas = all->body->shell.pressure.kind == PEL_PRESSURE_GAS;
+    if (pressure->key_count == 0 && !(is_gas && pressure->value != 0))
         return;
     clear(all);
     for (int32_t t = 0; t < model->triangle_count; t++) {

@@ -321,6 +321,12 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
     def.solver.mode_count = MODE_COUNT;
     def.solver.dt = scene->duration;
     pel_status status = analyse(scene, body, &def, vibration);
+    /* of a body that nothing holds loads may be refused */
+    if (status != PEL_OUT_OF_MEMORY && def.load_count > 0 && !(vibration->frequency > 0)) {
+        *vibration = (pel_vibration){0};
+        def.load_count = 0;
+        status = analyse(scene, body, &def, vibration);
+    }
     PEL_FREE_ALL(supports, loads);
     return status;
 }
