@@ -457,7 +457,8 @@ double pel_ledger_energy(pel_sim *sim)
 /* energy [J] that a change between two steps added; gravity continues from the new position at no cost */
 static double find_change(pel_sim *sim, double energy_before)
 {
-    for (int32_t b = 0; b < sim->model->body_count; b++)
+    /* a surface that refines while the simulation is made has no volumes yet */
+    for (int32_t b = 0; sim->ledger->volumes != NULL && b < sim->model->body_count; b++)
         sim->ledger->volumes[b] = (double)NAN;
     if (!sim->ledger->is_started)
         return 0;
