@@ -3,6 +3,7 @@
 #include "scene_run.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* a page on a table, whose edge forceps lift at 0.2 m/s */
 #define PAGE                                                                                                           \
@@ -45,8 +46,46 @@ static void test_lift(void **unused)
     end(&r);
 }
 
+/* a page that is held at one end, and a box that rises below the other at 0.18 m/s */
+#define SHELF                                                                                                          \
+    "version: 1\nbodies:\n  - { name: page, mesh: { shape: grid, nx: 30, ny: 10, size_x: 0.21, size_y: 0.07 }, "       \
+    "membrane: { "                                                                                                     \
+    "preset: paper }, pinned: { plane: { point: [-0.1, 0, 0], normal: [-1, 0, 0] } } }\ntools:\n  - { name: box, "     \
+    "shape: box, "                                                                                                     \
+    "size: [0.01, 0.2, 0.1], motion: [ { time: 0, position: [0.08, 0, -0.06] }, { time: 0.5, position: [0.08, 0, "     \
+    "0.03] } ] }\n"                                                                                                    \
+    "contact: {}\nduration: 0.2\nsolver: { method: implicit, dt: %g }\n"
+
+/* Steps in two stages that touch something are repeated in one stage, and tools go back before: a box that had gone its
+   way already lay beyond the page, which corrections threw out. 3.2 J appeared at 5 ms, and at 10 ms the page flew off
+   without a force. */
+static void test_shelf(void **unused)
+{
+    (void)unused;
+    for (int half = 0; half < 2; half++) {
+        run r;
+        char text[1000];
+        pel_sim_ledger ledger;
+        double force = 0;
+        snprintf(text, sizeof text, SHELF, half ? 0.005 : 0.01);
+        check_begin(&r, text);
+        for (int s = 0; s < (half ? 40 : 20); s++) {
+            pel_tool_reading box;
+            assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+            pel_sim_get_tool(r.sim, 0, &box);
+            force = fmax(force, fabs(box.force[2]));
+            assert_int_equal(box.held_back_count, 0);
+        }
+        assert_true(force > 1e-3 && force < 0.1);
+        pel_sim_get_ledger(r.sim, &ledger);
+        assert_true(ledger.work_tools > 1e-5 && ledger.work_tools < 1e-4);
+        assert_true(ledger.elastic + ledger.kinetic < 1.02 * ledger.work_tools);
+        end(&r);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lift)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lift), cmocka_unit_test(test_shelf)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -458,6 +458,8 @@ static pel_status solve(pel_sim *sim, const pel_implicit_scheme *s, pel_step_res
 {
     pel_sim_newton *newton = sim->minimise->newton;
     newton->scheme = s;
+    /* as the body, from the start of the step */
+    pel_tools_return(sim);
     pel_sim_turns_set(sim, s);
     pel_rigid_parts_refer(sim, &newton->rigid, s, s->first != NULL ? newton->stage[0] : sim->state->older_position,
                           s->first != NULL ? newton->stage[1] : sim->state->older_velocity);
@@ -474,14 +476,23 @@ static pel_status solve(pel_sim *sim, const pel_implicit_scheme *s, pel_step_res
     return status;
 }
 
-/* the stages of a step, one after the other; one that fails ends it */
+/* something pushes: stages would throw it back */
+static bool touches(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t c = 0; c < sim->minimise->count; c++)
+        any |= sim->minimise->constraints[c].load > 0;
+    return any;
+}
+
+/* the stages of a step, one after the other; one that fails or touches something ends it */
 static pel_status solve_in_stages(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_descent_result *sum = &sim->minimise->result;
     size_t size = (size_t)sim->model->vertex_count * sizeof(pel_record);
     pel_status status = solve(sim, &first_stage, result, error);
     const pel_descent_result first = *sum;
-    if (status != PEL_OK || result->diverged)
+    if (status != PEL_OK || result->diverged || (sim->minimise->newton->lead == NULL && touches(sim)))
         return status;
     memcpy(sim->minimise->newton->stage[0], sim->state->position_next, size);
     memcpy(sim->minimise->newton->stage[1], sim->state->velocity_next, size);
@@ -496,15 +507,6 @@ static pel_status solve_in_stages(pel_sim *sim, pel_step_result *result, pel_err
 static pel_status solve_by(pel_sim *sim, const pel_implicit_scheme *s, pel_step_result *result, pel_error *error)
 {
     return s == &first_stage ? solve_in_stages(sim, result, error) : solve(sim, s, result, error);
-}
-
-/* something pushes: stages would throw it back */
-static bool touches(const pel_sim *sim)
-{
-    bool any = false;
-    for (int32_t c = 0; c < sim->minimise->count; c++)
-        any |= sim->minimise->constraints[c].load > 0;
-    return any;
 }
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
