@@ -72,6 +72,43 @@ static void test_places(void **state)
     end_pair(&p);
 }
 
+/* pushes that turn bodies by a right angle and more: rows that are found anew where they no longer hold stay near the
+ * sums */
+static void test_far_turns(void **state)
+{
+    (void)state;
+    random_state random = {11};
+    pair p;
+    pel_rigid_row rows[ROWS];
+    double push[3], place[3], value[3], turned = 0;
+    int anew = 0;
+    make_pair(&p);
+    make_rows(&p, rows);
+    draw_push(&random, 2e-3, push);
+    for (int i = 0; i < 3000 && turned < 2; i++) {
+        double before[4], after[4];
+        pel_rigid_settle(&p.items[0]);
+        memcpy(before, p.items[0].state.rotation, sizeof before);
+        pel_rigid_row_push(&rows[0], push, p.rigids.rate);
+        pel_rigids_place(&p.rigids, p.places);
+        memcpy(after, p.items[0].state.rotation, sizeof after);
+        double cosine = 0;
+        for (int k = 0; k < 4; k++)
+            cosine += before[k] * after[k];
+        turned += 2 * acos(fmin(fabs(cosine), 1));
+        if (!pel_rigid_row_is_of(&rows[0], vertices[0], weights[0])) {
+            make_rows(&p, rows);
+            anew++;
+        }
+        pel_rigid_row_place(&rows[0], place);
+        value_of(&p, vertices[0], weights[0], value);
+        for (int k = 0; k < 3; k++)
+            assert_near(place[k], value[k], 0.02);
+    }
+    assert_true(turned > 2 && anew > 5);
+    end_pair(&p);
+}
+
 /* mobility is that of the sum, along every direction */
 static void test_mobility(void **state)
 {
@@ -181,8 +218,8 @@ static void test_rows(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places), cmocka_unit_test(test_mobility),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places),  cmocka_unit_test(test_mobility),
                                        cmocka_unit_test(test_momenta), cmocka_unit_test(test_kinds),
-                                       cmocka_unit_test(test_rows)};
+                                       cmocka_unit_test(test_rows),    cmocka_unit_test(test_far_turns)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -396,7 +396,7 @@ static void test_sudden_load(void **unused)
     static const struct {
         const char *dt, *duration, *told; /* null = nothing is told */
     } cases[] = {
-        {"solver.dt=0.0025", "duration=0.02", "a vibration has "},
+        {"solver.dt=0.002", "duration=0.02", "a vibration has "},
         {"solver.dt=0.0025", "duration=0.0075", "a vibration has "},
         {"solver.dt=0.005", "duration=0.005", "a vibration has "},
         {"solver.dt=0.0005", "duration=0.02", NULL},

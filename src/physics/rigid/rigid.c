@@ -23,6 +23,8 @@ enum { MOST_TURNS = 4096, MOST_ROUNDS = 60 };
 #define ROUND_TENSOR 1e-12
 /* of the longest distance between pins: those nearer to a line are on it */
 #define LINE_TOLERANCE 1e-9
+/* rad, in a substep, from where on rows are found anew: (1 - cos) of it is the error of an arm */
+#define FAR_TURN 0.1
 
 static void multiply(const double m[3][3], const double x[3], double y[3])
 {
@@ -403,6 +405,12 @@ void pel_rigid_shift_later(pel_rigid *rigid, const double push[3], const double 
     pel_vec3_along(rigid->owed_impulse, rate, push, rigid->owed_impulse);
     pel_vec3_along(rigid->owed_moment, rate, moment, rigid->owed_moment);
     rigid->is_owed = rigid->is_moved = true;
+    if (pel_vec3_squared_length(rigid->turned) > FAR_TURN * FAR_TURN) {
+        pel_rigid_settle(rigid);
+        pel_vec3_set(rigid->way, 0, 0, 0);
+        pel_vec3_set(rigid->turned, 0, 0, 0);
+        rigid->far_turns++;
+    }
 }
 
 void pel_rigid_settle(pel_rigid *rigid)

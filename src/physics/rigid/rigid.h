@@ -50,7 +50,8 @@ typedef struct pel_rigid {
     bool is_fixed;                /* it moves only as it is told in this step: held, or asleep */
     bool is_moved;                /* its vertices are not where it is */
     double unrest;                /* m: all ways that sweeps moved points of it in this substep */
-    double way[3], turned[3];     /* m, rad: of the pivot and of the body, by pushes in this substep */
+    double way[3], turned[3];     /* m, rad: of the pivot and of the body, by pushes in this substep, or since they */
+    int32_t far_turns;            /* began anew in it, as often as this tells */
     bool is_owed;                 /* the state lacks: */
     double owed_turn[3], owed_impulse[3], owed_moment[3]; /* rad, N s, N m s */
 } pel_rigid;

@@ -22,7 +22,7 @@ static void set_side(pel_rigid_row *row, const pel_rigids *rigids, const pel_rig
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     pel_rigid_grip points = {.rigid = grip->rigid};
     double moved[3], moment[3], turn[3], back[3];
-    *side = (pel_rigid_side){.rigid = grip->rigid, .weight = grip->weight};
+    *side = (pel_rigid_side){.rigid = grip->rigid, .far_turns = grip->rigid->far_turns, .weight = grip->weight};
     for (int i = 0; i < PEL_SUM_MOST; i++)
         if (row->weights[i] != 0 && pel_rigid_of(rigids, row->vertices[i]) == grip->rigid)
             pel_rigid_grip_add(&points, rigids, row->vertices[i], row->weights[i]);

@@ -1,6 +1,6 @@
 /* A weighted sum of vertices of one or two rigid bodies, as sweeps push it many times in a substep: arms, tensors and
    places are found once, and the bodies turn only where something asks for them (pel_rigid_settle). What a turn of the
-   body changes of an arm within a substep is of second order. */
+   body changes of an arm within a substep is of second order; rows of bodies that turned far are found anew. */
 #ifndef PEL_RIGID_ROW_H
 #define PEL_RIGID_ROW_H
 
@@ -9,6 +9,7 @@
 /* a side of a row */
 typedef struct pel_rigid_side {
     pel_rigid *rigid;                /* null = there is none that moves */
+    int32_t far_turns;               /* those of the body at which the row was set */
     double weight, arm[3], lever[3]; /* from the pivot: of its points, and of where pushes act (rigid/sum.c) */
 } pel_rigid_side;
 
@@ -25,10 +26,12 @@ struct pel_rigid_row {
    loose, or is of more than two bodies. */
 bool pel_rigid_row_set(pel_rigid_row *row, const pel_rigids *rigids, const pel_rigid_sum *sum, const pel_record *start);
 
-/* whether it is that of a sum of these (PEL_SUM_MOST) vertices and weights */
+/* whether it is that of a sum of these (PEL_SUM_MOST) vertices and weights, and no body has turned far since */
 static inline bool pel_rigid_row_is_of(const pel_rigid_row *row, const int32_t *vertices, const double *weights)
 {
     bool is_same = true;
+    for (int i = 0; i < 2 && row->sides[i].rigid != NULL; i++)
+        is_same &= row->sides[i].far_turns == row->sides[i].rigid->far_turns;
     for (int i = 0; i < PEL_SUM_MOST; i++)
         is_same &= row->vertices[i] == vertices[i] && row->weights[i] == weights[i];
     return is_same;
