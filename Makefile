@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers bench-bodies web wasm site machines compilers endurance blender reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers bench-bodies web wasm site machines compilers threads endurance blender reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -87,6 +87,10 @@ blender: program ## write the add-on for Blender to build/blender, and test it w
 
 compilers: need-demo need-dev ## compile with GCC and Clang at -O0 to -O3, also for 32-bit floats, run scenes, and compare the bits
 	@tools/compilers
+
+threads: program need-dev ## build with the thread sanitizer, run the tests of what runs in threads, and all scenes with four threads (10 minutes)
+	@tools/configure tsan -DPELLICLE_TESTS=ON $(OPTIONS)
+	@tools/threads $(PROGRAM)
 
 endurance: program ## live use, a study that is killed, and many steps: memory, bits and books in build/endurance.html (LIVE, STUDY: seconds; STEPS)
 	@tools/endurance $(PROGRAM) build/endurance.html --live $(or $(LIVE),60) --study $(or $(STUDY),60) --steps $(or $(STEPS),20000)

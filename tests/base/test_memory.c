@@ -36,6 +36,35 @@ static void test_overflow(void **unused)
     assert_int_equal(capacity, 0);
 }
 
+/* what a thread did not get is told once, in bytes: messages of memory that is out name it */
+static void test_refused(void **unused)
+{
+    (void)unused;
+    pel_memory_refused();
+    failing_malloc_begin(1);
+    void *block = pel_allocate(3, 1000);
+    failing_malloc_end();
+    assert_null(block);
+    assert_int_equal(pel_memory_refused(), 3000);
+    assert_int_equal(pel_memory_refused(), 0);
+    failing_malloc_begin(1);
+    block = pel_allocate_aligned(100, 64);
+    failing_malloc_end();
+    assert_null(block);
+    assert_int_equal(pel_memory_refused(), 6400);
+    failing_malloc_begin(1);
+    block = pel_reallocate(NULL, 7, 10);
+    failing_malloc_end();
+    assert_null(block);
+    assert_int_equal(pel_memory_refused(), 70);
+    block = pel_reallocate(NULL, 7, 10);
+    assert_non_null(block);
+    assert_int_equal(pel_memory_refused(), 0);
+    pel_free(block);
+    assert_null(pel_allocate(SIZE_MAX / 2 + 1, 2));
+    assert_true(pel_memory_refused() == SIZE_MAX);
+}
+
 static void test_copy_string(void **unused)
 {
     (void)unused;
@@ -78,10 +107,8 @@ static void test_reserve(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_blocks_are_zeroed),
-        cmocka_unit_test(test_overflow),
-        cmocka_unit_test(test_copy_string),
-        cmocka_unit_test(test_reserve),
+        cmocka_unit_test(test_blocks_are_zeroed), cmocka_unit_test(test_overflow), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_copy_string),       cmocka_unit_test(test_reserve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
