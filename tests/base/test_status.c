@@ -1,6 +1,10 @@
 #include "check.h"
 
+#include "base/memory.h"
 #include "base/status.h"
+#include "failing_malloc.h"
+
+#include <math.h>
 
 static const char *text_of(const pel_error *error)
 {
@@ -144,6 +148,39 @@ static void test_log_line(void **unused)
     assert_string_equal(kept, "welded 3 vertices");
 }
 
+/* a block that was refused is named where it is large, and its size says something */
+static void test_memory_names_the_block(void **unused)
+{
+    (void)unused;
+    static const struct {
+        size_t bytes;
+        const char *said;
+    } cases[] = {{2500000, "out of memory: 0.0025 GB more were needed at once, of "},
+                 {999999, "out of memory: "},
+                 {SIZE_MAX, NULL}};
+    pel_error error;
+    char enough[100], all[64];
+    snprintf(all, sizeof all, "%.3g GB", 1e-9 * pel_memory_limit());
+    snprintf(enough, sizeof enough, "out of memory: %s are not enough", all);
+    assert_true(pel_memory_limit() < (double)HUGE_VAL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        failing_malloc_begin(1);
+        assert_null(pel_allocate(1, cases[i].bytes));
+        failing_malloc_end();
+        assert_int_equal(pel_fail_memory(&error), PEL_OUT_OF_MEMORY);
+        if (cases[i].said == NULL) {
+            assert_string_equal(error.what, "out of memory");
+            continue;
+        }
+        assert_memory_equal(error.what, cases[i].said, strlen(cases[i].said));
+        assert_non_null(strstr(error.what, all));
+        assert_int_equal(strcmp(error.what, enough) == 0, i == 1);
+        /* told once */
+        pel_fail_memory(&error);
+        assert_string_equal(error.what, enough);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -155,6 +192,7 @@ int main(void)
         cmocka_unit_test(test_long_values_are_cut),
         cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_log_line),
+        cmocka_unit_test(test_memory_names_the_block),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
