@@ -163,11 +163,48 @@ static void test_falling_sheet(void **unused)
     }
 }
 
+/* A sheet is thrown flat onto a box: the forces on the box in time are the momentum that the sheet got, also of the
+   substep of the first touch, which is of second order. */
+static void test_impulse(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 20 };
+    const double dt = 0.01, speed = 1, mass = 0.3;
+    sheet_scene scene;
+    begin(&scene, make_grid(8, 8, 1, 1, PEL_GRID_UNION_JACK), 0.3, PEL_TOOL_BOX);
+    scene.body.velocity[2] = -speed;
+    scene.tool.half_extents[0] = scene.tool.half_extents[1] = 1;
+    scene.tool.half_extents[2] = 0.1;
+    add_key(&scene, 0, 0, -0.1235);
+    pel_sim *sim = start(&scene, 0);
+    double impulse = 0, momentum = 0;
+    for (int s = 0; s < STEPS; s++) {
+        pel_tool_reading reading;
+        run_steps(sim, 1);
+        pel_sim_get_tool(sim, 0, &reading);
+        impulse -= dt * reading.force[2];
+    }
+    const int32_t count = scene.mesh->vertex_count;
+    double *velocities = malloc(3 * (size_t)count * sizeof *velocities),
+           *masses = malloc((size_t)count * sizeof *masses);
+    pel_sim_get_velocities(sim, 0, velocities);
+    pel_sim_get_masses(sim, 0, masses);
+    for (int32_t v = 0; v < count; v++)
+        momentum += masses[v] * velocities[3 * v + 2];
+    print_message("impulse %.6g N s for %.6g\n", impulse, momentum + mass * speed);
+    assert_true(impulse > 0.9 * mass * speed);
+    assert_near(impulse, momentum + mass * speed, 1e-5 * impulse);
+    free(velocities);
+    free(masses);
+    end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pulled_strip),
         cmocka_unit_test(test_falling_sheet),
+        cmocka_unit_test(test_impulse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

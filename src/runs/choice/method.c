@@ -262,24 +262,6 @@ static bool swings_on_gas(const pel_scene *scene, const step_cost *cost)
            1e-3 * cost->system * scene->duration / scene->sim.solver.dt <= MOST_RUN;
 }
 
-void pel_scene_choose_order(const pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
-{
-    pel_scene_value *order = pel_scene_value_at(root, "solver.second_order");
-    bool may = scene->sim.solver.method == PEL_METHOD_XPBD && order != NULL && order->is_implied;
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
-        const pel_body_def *body = &scene->model.bodies[b];
-        const pel_pressure_kind kind = body->shell.pressure.kind;
-        may &= kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME && !body->rigid.on && body->refine.levels == 0;
-    }
-    if (!may || !pel_scene_is_undamped(scene) || !pel_scene_lets_go(scene))
-        return;
-    scene->sim.solver.second_order = PEL_YES;
-    order->number = 1;
-    order->text = "true";
-    order->form = PEL_FORM_BOOLEAN;
-    pel_log_line(reader->log, "solver.second_order: a tool lets go of a body, whose swing first order would damp");
-}
-
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     const pel_solver_def *solver = &scene->sim.solver;

@@ -14,10 +14,6 @@
    PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
-/* Second order for xpbd that leaves it to the program, in the def and in the tree, with a line to the log: where a tool
-   lets a body go that nothing damps. Steps of first order, which tools have by default, would damp its swing. */
-void pel_scene_choose_order(const pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
-
 /* systems of a step of static, at least */
 enum { PEL_STATIC_SYSTEMS = 3 };
 

@@ -107,7 +107,7 @@ static bool lets_go(const pel_scene *scene, const pel_tool_def *tool)
     return goes;
 }
 
-bool pel_scene_lets_go(const pel_scene *scene)
+static bool any_lets_go(const pel_scene *scene)
 {
     bool any = false;
     for (int32_t t = 0; t < scene->sim.tool_count; t++)
@@ -121,7 +121,7 @@ static bool is_held_by_tools(const pel_scene *scene)
     bool any = false;
     for (int32_t t = 0; t < scene->sim.tool_count; t++)
         any |= scene->sim.tools[t].shape != PEL_TOOL_SUPPORT;
-    return any && !pel_scene_lets_go(scene);
+    return any && !any_lets_go(scene);
 }
 
 /* the program may choose, and motion goes on */

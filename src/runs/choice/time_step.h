@@ -22,8 +22,6 @@ typedef struct pel_motions {
 
 /* What nothing touches goes on moving to the end of the run: no damping of vertices, and hardly any drag. */
 bool pel_scene_is_undamped(const pel_scene *scene);
-/* A tool goes away from all bodies, or opens its grasp, before the end of the run. */
-bool pel_scene_lets_go(const pel_scene *scene);
 /* The lowest vibration of a body, see pel_scene_frequency. */
 typedef struct pel_vibration {
     double frequency; /* Hz; 0 = none */

@@ -29,16 +29,6 @@ static bool leaves_dt(const pel_scene *scene)
            pel_scene_value_at(pel_scene_root(scene), "solver.dt")->is_implied;
 }
 
-/* nor is the order of xpbd: the second where a tool lets go of what nothing damps */
-static bool leaves_order(const pel_scene *scene, const pel_def_row *row)
-{
-    const pel_scene_value *order = pel_scene_value_at(pel_scene_root(scene), "solver.second_order");
-    if (!pel_stepper_of(scene->sim.solver.method)->is_compliant || order == NULL || !order->is_implied)
-        return false;
-    bool damps = strstr(row->path, "drag") != NULL || strstr(row->path, "damping") != NULL;
-    return row->def == PEL_DEF_TOOL || (damps && pel_scene_lets_go(scene));
-}
-
 bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_parameter_place *place)
 {
     if (pel_parameter_find_place(&scene->model, &scene->sim, path, place, NULL) != PEL_OK)
@@ -48,7 +38,7 @@ bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_paramete
     /* supports and fibres are checked by the scene */
     bool is_checked = row->def == PEL_DEF_SUPPORT || row->def == PEL_DEF_FIBRES;
     return row->refusal == NULL && !row->is_implying && !is_checked && !has_fine_mesh(scene) && !leaves_dt(scene) &&
-           !leaves_order(scene, row) && !(leaves_method && is_chosen_by(row->def));
+           !(leaves_method && is_chosen_by(row->def));
 }
 
 bool pel_scene_patch(pel_scene *scene, pel_parameter_place place, const char *text)

@@ -117,7 +117,6 @@ static pel_status choose_method(pel_scene_reader *reader, const pel_scene_value 
     if (status != PEL_OK)
         return status;
     pel_scene_choose_bending(root, scene);
-    pel_scene_choose_order(reader, root, scene);
     return PEL_OK;
 }
 

@@ -170,7 +170,7 @@ bool pel_meet_is_pressed(const pel_sim *sim)
 
 void pel_meet_tally(pel_sim *sim, const pel_meeting *meeting, pel_record *reaction)
 {
-    double rate = 1 / (meeting->tau * meeting->tau * sim->solver.substeps);
+    double rate = 1 / (meeting->length * meeting->length * sim->solver.substeps);
     pel_ties_tally(sim, meeting->tau, reaction);
     pel_joints_tally(sim, meeting->length);
     if (pel_sim_has_loop_contacts(sim))

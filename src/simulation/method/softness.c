@@ -42,6 +42,14 @@ static bool has_stiff_pressure(const pel_model *model)
     return false;
 }
 
+static bool has_rigid(const pel_model *model)
+{
+    bool has = false;
+    for (int32_t b = 0; b < model->body_count; b++)
+        has |= model->bodies[b].rigid != NULL;
+    return has;
+}
+
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
 {
     pel_solver_def *solver = &sim->solver;
@@ -59,9 +67,11 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
         solver->max_substeps = DEFAULT_MOST;
     bool touches = def->tool_count > 0 || def->contact.enabled;
     sim->substeps->least = touches ? LEAST_TOUCHING : LEAST_FREE;
-    /* a force held over a substep that stiffens the body feeds oscillations of second order */
+    /* a force held over a substep that stiffens the body feeds oscillations of second order; rigid bodies take the way
+       of a substep for their velocity, which is not what attachments act over there */
+    bool is_plain = has_stiff_pressure(def->model) || (def->tie_count > 0 && has_rigid(def->model));
     if (solver->second_order == PEL_AUTO)
-        solver->second_order = compliant && !touches && !has_stiff_pressure(def->model) ? PEL_YES : PEL_NO;
+        solver->second_order = compliant && !is_plain ? PEL_YES : PEL_NO;
 }
 
 /* s, the longest of the bodies */
@@ -77,10 +87,16 @@ static double retardation_of(const pel_sim *sim)
     return longest;
 }
 
+/* second order throughout: what touches goes by first order */
+static bool is_free(const pel_sim *sim)
+{
+    return sim->solver.second_order && sim->substeps->least == LEAST_FREE;
+}
+
 /* tau of a substep */
 static double tau_share(const pel_sim *sim)
 {
-    return sim->solver.second_order ? 2.0 / 3 : 1;
+    return is_free(sim) ? 2.0 / 3 : 1;
 }
 
 /* A sweep takes damping of the material for a stiffness that is larger by the retardation over the substep
@@ -94,7 +110,7 @@ static double longest_substep(const pel_sim *sim)
     double elastic = found->rate > 0 ? sqrt(square) : HUGE_VAL;
     double tau = half > 0 && found->rate > 0 ? square / (half + sqrt(half * half + square)) : elastic;
     double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
-    return pel_min(sim->solver.second_order ? 1.5 * tau : tau, pressure);
+    return pel_min(is_free(sim) ? 1.5 * tau : tau, pressure);
 }
 
 static int32_t needed_substeps(const pel_sim *sim)

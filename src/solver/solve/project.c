@@ -372,6 +372,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
     projector->is_held = projector->air != NULL;
     projector->held_tau = 0;
+    projector->has_touched = false;
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
@@ -398,19 +399,26 @@ static void set_time(pel_projector *projector, const pel_state *state, pel_subst
                                   &time);
 }
 
+/* Nothing touches, nor did so since the step before began: what trembles against something would else take elastic
+   forces at 4/9 whenever it meets it. */
+static bool is_apart(const pel_projector *projector, const pel_state *state, pel_substep_place place)
+{
+    return !(place & PEL_SUBSTEP_PRESSED) && !projector->has_touched && state->collision == 0;
+}
+
 /* Where contacts press, the past is forgotten in each substep. To go on in second order would let all forces act at 4/9
    while surfaces touch, and whole while they part: energy would appear. Pairs need one length of time for both sides,
    so that all bodies go by first order. */
 bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place)
 {
     bool is_known = !(place & PEL_SUBSTEP_FIRST) || state->older_is_known;
-    return projector->solver.second_order && is_known && !(place & PEL_SUBSTEP_PRESSED);
+    return projector->solver.second_order && is_known && is_apart(projector, state, place);
 }
 
 bool pel_project_is_start(const pel_projector *projector, const pel_state *state, pel_substep_place place)
 {
     bool is_first = place & PEL_SUBSTEP_FIRST && !state->older_is_known;
-    return projector->solver.second_order && is_first && !(place & PEL_SUBSTEP_PRESSED);
+    return projector->solver.second_order && is_first && is_apart(projector, state, place);
 }
 
 static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
@@ -492,8 +500,10 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
         if (contacts[i] != NULL)
             mark_touching_bodies(projector, contacts[i]);
     for (int32_t b = 0; b < body_count; b++)
-        if (projector->touches[b])
+        if (projector->touches[b]) {
             forget_past(projector, state, b);
+            projector->has_touched = true;
+        }
 }
 
 /* ---- reactions ---- */
@@ -573,6 +583,7 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     state->older_position = projector->older_position;
     state->older_velocity = projector->older_velocity;
     state->older_is_known = true;
+    state->collision = projector->has_touched;
     projector->older_position = position;
     projector->older_velocity = velocity;
     /* what touched anything has no smooth past, see forget_past */

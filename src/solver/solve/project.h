@@ -45,6 +45,7 @@ typedef struct pel_projector {
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
     bool is_held;                                /* a vertex has drag or a volumetric spring */
     bool has_past;                               /* the present substep is of second order */
+    bool has_touched;                            /* second order: in the present step something touched */
     double substep, tau, span;                   /* s; of the present substep: tau, and ways over velocities */
     double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
