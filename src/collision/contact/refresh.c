@@ -508,6 +508,7 @@ static void refresh_chunk(void *context, int32_t chunk)
     const refresh_job *job = context;
     const pel_contact_set *set = job->set;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK, chosen[PAIRS_OF_CHUNK], count = 0;
+    bool any_sleeps = set->asleep_count > 0;
     for (int32_t c = begin; c < end && c < set->list.count; c++) {
         bool follows = set->is_moved && set->keys[c].obstacle >= 0 && !(set->keys[c].room > 0);
         if (!job->looks_at_all && !follows && set->calm[c] > set->travel.approach)
@@ -515,7 +516,7 @@ static void refresh_chunk(void *context, int32_t chunk)
         /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
         if (!job->is_first && set->list.contacts[c].multiplier > 0)
             continue;
-        if (pel_contact_sleeps(set, set->keys[c].points))
+        if (any_sleeps && pel_contact_sleeps(set, set->keys[c].points))
             continue;
         if (!job->looks_at_all && set->calm[c] > 0 && set->watches[c].limit > 0 && has_hardly_moved(job, c))
             continue;

@@ -174,15 +174,34 @@ static int compare_keys(const pel_contact_key *a, const pel_contact_key *b)
     return compare_pair(a, b->edge_edge, b->first, b->second);
 }
 
+/* Room in an array of scratch: it does not keep what is in it, so that only what is used then takes pages. */
+static bool reserve_anew(void **array, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity)
+        return true;
+    pel_free(*array);
+    *array = NULL;
+    *capacity = 0;
+    return pel_reserve(array, capacity, needed, size);
+}
+
+/* for so many pairs at most in the merged list */
 static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error)
 {
-    if (pel_reserve((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
-        pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
-        pel_reserve((void **)&set->calm, &set->calm_capacity, count, sizeof *set->calm) &&
+    if (reserve_anew((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
+        reserve_anew((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
+        reserve_anew((void **)&set->origins, &set->origin_capacity, count, sizeof *set->origins))
+        return PEL_OK;
+    return pel_fail_memory(error);
+}
+
+/* what substeps note of so many pairs; looks at those before them are kept */
+static pel_status make_room_for_looks(pel_contact_set *set, size_t count, pel_error *error)
+{
+    if (pel_reserve((void **)&set->calm, &set->calm_capacity, count, sizeof *set->calm) &&
         pel_reserve((void **)&set->watches, &set->watch_capacity, count, sizeof *set->watches) &&
         pel_reserve((void **)&set->acts, &set->act_capacity, count, sizeof *set->acts) &&
         pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active) &&
-        pel_reserve((void **)&set->origins, &set->origin_capacity, count, sizeof *set->origins) &&
         pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed) &&
         pel_contact_patches_expect(&set->patches, &set->list, count))
         return PEL_OK;
@@ -196,7 +215,7 @@ bool pel_contact_set_expect(pel_contact_set *set, int32_t count)
     set->list.active = NULL;
     return pel_reserve((void **)&set->list.contacts, &set->capacity, needed, sizeof *set->list.contacts) &&
            pel_reserve((void **)&set->keys, &set->key_capacity, needed, sizeof *set->keys) &&
-           make_room(set, needed, NULL) == PEL_OK;
+           make_room(set, needed, NULL) == PEL_OK && make_room_for_looks(set, needed, NULL) == PEL_OK;
 }
 
 /* upper bound of the margin [m] */
@@ -696,6 +715,9 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
         if (set->tangles.count == 0 || !pel_tangles_have(set, &found->collisions[i]))
             add_found(m, &found->collisions[i], i);
     take_over(m, NULL);
+    status = make_room_for_looks(set, (size_t)m->count, error);
+    if (status != PEL_OK)
+        return status;
     exchange_lists(set, m->count);
     PEL_ASSERT_WHOLE(pel_contact_set_is_valid(set));
     return PEL_OK;
