@@ -72,47 +72,85 @@ static void lift(pel_rigid *body, double way)
     body->unrest += fabs(way);
 }
 
+/* a body of 1 kg in one point, at the start of a substep, and a contact that pushes it up by a millimetre */
+typedef struct lone {
+    pel_record rest[PEL_WIDTH], now[PEL_WIDTH];
+    pel_real inverse_mass[PEL_WIDTH];
+    int32_t of_slice[1];
+    pel_rigid_shape shape;
+    pel_rigid body;
+    pel_rigids rigids;
+    pel_contact contact;
+    pel_contact_list list;
+} lone;
+
+static void make_lone(lone *l)
+{
+    const double still[3] = {0};
+    pel_rigid_state begin;
+    memset(l, 0, sizeof *l);
+    l->shape = (pel_rigid_shape){.mass = 1, .inverse_mass = 1, .is_free = true, .roundness = 1};
+    l->body = (pel_rigid){.shape = &l->shape, .end = PEL_WIDTH};
+    l->rigids = (pel_rigids){
+        .count = 1, .items = &l->body, .of_slice = l->of_slice, .rest = l->rest, .inverse_mass = l->inverse_mass};
+    l->contact = (pel_contact){.weights = {1}, .normal = {0, 0, 1}, .separation = (pel_real)1e-3};
+    l->list = (pel_contact_list){.contacts = &l->contact, .count = 1, .substep = 1, .rigids = &l->rigids};
+    pel_rigid_state_start(&l->shape, still, still, &begin);
+    pel_rigid_begin(&l->body, &begin);
+    for (int v = 0; v < PEL_WIDTH; v++)
+        l->inverse_mass[v] = l->now[v][3] = 1;
+}
+
+/* friction has nothing to hold where nothing slides, and nothing moves what is held */
+static void test_straight(void **state)
+{
+    (void)state;
+    lone l;
+    make_lone(&l);
+    l.contact.friction = 1;
+    assert_near(pel_contacts_project(&l.list, l.now, l.now), 1e-3, 1e-9);
+    assert_true(l.body.way[0] == 0 && l.body.way[1] == 0);
+    assert_near(l.body.way[2], 1e-3, 1e-9);
+    assert_near(l.body.unrest, 1e-3, 1e-9);
+    for (int k = 0; k < 3; k++)
+        assert_true(l.contact.drag[k] == 0);
+    make_lone(&l);
+    l.body.is_fixed = true;
+    assert_true(pel_contacts_project(&l.list, l.now, l.now) == 0);
+    assert_true(l.contact.multiplier == 0);
+}
+
 /* A contact that a sweep leaves as it is rests until its body has moved by more than what counts as calm; one with a
    gap, by half of that. */
 static void test_rest(void **state)
 {
     (void)state;
-    static pel_record rest[PEL_WIDTH], now[PEL_WIDTH];
-    static pel_real inverse_mass[PEL_WIDTH];
-    static int32_t of_slice[1];
-    pel_rigid_shape shape = {.mass = 1, .inverse_mass = 1, .is_free = true, .roundness = 1};
-    pel_rigid body = {.shape = &shape, .end = PEL_WIDTH};
-    pel_rigids rigids = {.count = 1, .items = &body, .of_slice = of_slice, .rest = rest, .inverse_mass = inverse_mass};
-    pel_rigid_state begin;
-    pel_contact contact = {.weights = {1}, .normal = {0, 0, 1}, .separation = (pel_real)1e-3};
-    pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 1, .rigids = &rigids};
-    const double still[3] = {0};
-    pel_rigid_state_start(&shape, still, still, &begin);
-    pel_rigid_begin(&body, &begin);
-    for (int v = 0; v < PEL_WIDTH; v++)
-        inverse_mass[v] = now[v][3] = 1;
-    pel_contacts_rouse(&list, 1e-5);
-    assert_near(pel_contacts_project(&list, now, now), 1e-3, 1e-9);
-    assert_near(body.unrest, 1e-3, 1e-9);
-    assert_false(pel_rigid_contact_rests(&list, &contact, now));
-    assert_near(pel_contacts_project(&list, now, now), 0, 1e-9);
-    assert_true(pel_rigid_contact_rests(&list, &contact, now));
-    lift(&body, -0.9e-5);
-    assert_true(pel_contacts_project(&list, now, now) == 0);
-    lift(&body, -0.2e-5);
-    assert_near(pel_contacts_project(&list, now, now), 1.1e-5, 1e-9);
+    lone l;
+    make_lone(&l);
+    pel_record *now = l.now;
+    pel_rigid *body = &l.body;
+    pel_contacts_rouse(&l.list, 1e-5);
+    assert_near(pel_contacts_project(&l.list, now, now), 1e-3, 1e-9);
+    assert_near(body->unrest, 1e-3, 1e-9);
+    assert_false(pel_rigid_contact_rests(&l.list, &l.contact, now));
+    assert_near(pel_contacts_project(&l.list, now, now), 0, 1e-9);
+    assert_true(pel_rigid_contact_rests(&l.list, &l.contact, now));
+    lift(body, -0.9e-5);
+    assert_true(pel_contacts_project(&l.list, now, now) == 0);
+    lift(body, -0.2e-5);
+    assert_near(pel_contacts_project(&l.list, now, now), 1.1e-5, 1e-9);
     /* loads stay the largest of the substep while what carries them rests */
-    assert_near(list.carried, 1e-3, 1e-4);
-    pel_contacts_rouse(&list, 1e-5);
-    assert_false(pel_rigid_contact_rests(&list, &contact, now));
-    lift(&body, 1e-3);
-    body.unrest -= 1e-3;
-    contact.multiplier = 0;
-    pel_contacts_project(&list, now, now);
-    body.unrest += 0.4e-3;
-    assert_true(pel_rigid_contact_rests(&list, &contact, now));
-    body.unrest += 0.2e-3;
-    assert_false(pel_rigid_contact_rests(&list, &contact, now));
+    assert_near(l.list.carried, 1e-3, 1e-4);
+    pel_contacts_rouse(&l.list, 1e-5);
+    assert_false(pel_rigid_contact_rests(&l.list, &l.contact, now));
+    lift(body, 1e-3);
+    body->unrest -= 1e-3;
+    l.contact.multiplier = 0;
+    pel_contacts_project(&l.list, now, now);
+    body->unrest += 0.4e-3;
+    assert_true(pel_rigid_contact_rests(&l.list, &l.contact, now));
+    body->unrest += 0.2e-3;
+    assert_false(pel_rigid_contact_rests(&l.list, &l.contact, now));
 }
 
 /* Boxes that fall on each other at random squeeze some between them: corrections after the solver end only when these
@@ -153,6 +191,6 @@ static void test_falling_boxes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_pot), cmocka_unit_test(test_rest),
-                                       cmocka_unit_test(test_falling_boxes)};
+                                       cmocka_unit_test(test_straight), cmocka_unit_test(test_falling_boxes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
