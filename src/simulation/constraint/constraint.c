@@ -363,6 +363,9 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
     return PEL_OK;
 }
 
+/* a load may turn against its last change so often */
+enum { SWINGS = 1 };
+
 bool pel_minimise_contacts_grip(pel_sim *sim, const double *position)
 {
     pel_minimise *minimise = sim->minimise;
@@ -373,9 +376,13 @@ bool pel_minimise_contacts_grip(pel_sim *sim, const double *position)
         if (!(constraint->friction > 0))
             continue;
         pel_minimise_contact_meet(sim, constraint, position, &meeting);
-        double grip = pel_max(0, load_at(constraint, meeting.gap));
-        any |= grip != constraint->grip;
-        constraint->grip = grip;
+        double change = pel_max(0, load_at(constraint, meeting.gap)) - constraint->grip;
+        /* loads that swing with the limits of friction would swing on */
+        bool turns = change * constraint->regrip < 0;
+        constraint->swings += turns;
+        any |= change != 0;
+        constraint->grip += (turns && constraint->swings > SWINGS ? 0.5 : 1) * change;
+        constraint->regrip = change;
     }
     return any;
 }

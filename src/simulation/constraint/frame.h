@@ -42,6 +42,8 @@ typedef struct pel_minimise_contact {
     double tolerance;             /* m, of the gap */
     double load;                  /* N, along the normal */
     double grip;                  /* N, the load that limits friction: that at the last update or linear system */
+    double regrip;                /* N, how far the load was from it there */
+    int32_t swings;               /* times that this turned */
     double drag[3];               /* N, across it */
     double drift[3];              /* m, way of the tool there since the step began */
     double friction;
