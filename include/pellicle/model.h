@@ -60,8 +60,8 @@ typedef struct pel_refine_def {
 
 /* A rigid body: its mesh never deforms. Masses, springs and volumetric springs of the body are not read. With one
    pinned vertex it swings about that (a ball joint), with several on a line it turns about the line (a hinge); with
-   others it stands. Methods xpbd, pbd, pbd-distance, implicit and static; no membrane, bending, fibres, pressure,
-   volume, liquid, refinement and cuts. */
+   others it stands. Methods xpbd, pbd, pbd-distance, implicit, explicit and static; no membrane, bending, fibres,
+   pressure, volume, liquid, refinement and cuts. */
 typedef struct pel_rigid_def {
     bool on;          /* default: false */
     double density;   /* kg/m3, of the filling of a closed mesh, or of a sheet; default: 1000 */

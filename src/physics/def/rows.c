@@ -314,8 +314,8 @@ static const pel_def_row rows[] = {
 
     {"bodies[].rigid", RIGID(on), MAP,
      .doc = "rigid body: the mesh moves and turns as a whole, with the mass and inertia of its filling. One pinned "
-            "vertex is a ball joint, several on a line are a hinge. Methods xpbd, pbd, pbd-distance, implicit and "
-            "static; optional"},
+            "vertex is a ball joint, several on a line are a hinge. Methods xpbd, pbd, pbd-distance, implicit, "
+            "explicit and static; optional"},
     {"bodies[].rigid.density", RIGID(density), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, DEFAULT(1000),
      WHEN(has_rigid_density), .doc = "density of the filling, or of the sheet"},
     {"bodies[].rigid.mass", RIGID(mass), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, WHEN(has_rigid_mass),
