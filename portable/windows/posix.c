@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <malloc.h>
 #include <string.h>
+#include <sys/statvfs.h>
 #undef gethostname
 #undef rename
 #undef sigaction
@@ -113,6 +114,17 @@ long pel_windows_sysconf(int name)
     if (name == _SC_PAGESIZE)
         return (long)system.dwPageSize;
     return GlobalMemoryStatusEx(&memory) ? (long)(memory.ullTotalPhys / system.dwPageSize) : -1;
+}
+
+int pel_windows_statvfs(const char *path, struct statvfs *disk)
+{
+    ULARGE_INTEGER mine;
+    if (!GetDiskFreeSpaceExA(path, &mine, NULL, NULL)) {
+        errno = GetLastError() == ERROR_PATH_NOT_FOUND ? ENOENT : EACCES;
+        return -1;
+    }
+    *disk = (struct statvfs){.f_frsize = 1, .f_bavail = mine.QuadPart};
+    return 0;
 }
 
 /* signal() keeps a handler for one signal, as SA_RESETHAND asks */

@@ -2,6 +2,7 @@
 #include "failing_malloc.h"
 
 #include "base/memory.h"
+#include "base/patience.h"
 
 static void test_blocks_are_zeroed(void **unused)
 {
@@ -61,8 +62,46 @@ static void test_refused(void **unused)
     assert_non_null(block);
     assert_int_equal(pel_memory_refused(), 0);
     pel_free(block);
-    assert_null(pel_allocate(SIZE_MAX / 2 + 1, 2));
+}
+
+/* what does not fit in size_t is told as all that there is, not as the block that was refused before */
+static void test_overflow_is_refused(void **unused)
+{
+    (void)unused;
+    const size_t half = SIZE_MAX / 2 + 1;
+    void *array = NULL;
+    size_t capacity = 0;
+    pel_memory_refused();
+    assert_null(pel_allocate(half, 2));
     assert_true(pel_memory_refused() == SIZE_MAX);
+    assert_null(pel_allocate_aligned(half, 2));
+    assert_true(pel_memory_refused() == SIZE_MAX);
+    /* fits, but not its rounding to pages */
+    assert_null(pel_allocate_aligned(SIZE_MAX - 8, 1));
+    assert_true(pel_memory_refused() == SIZE_MAX - 8);
+    assert_null(pel_reallocate(NULL, half, 2));
+    assert_true(pel_memory_refused() == SIZE_MAX);
+    assert_false(pel_reserve(&array, &capacity, SIZE_MAX, 1));
+    assert_true(pel_memory_refused() == SIZE_MAX);
+}
+
+static bool is_over(void *unused)
+{
+    (void)unused;
+    return false;
+}
+
+/* a thread that is to stop gets no block; that is no lack of memory */
+static void test_impatience_is_not_refused(void **unused)
+{
+    (void)unused;
+    pel_memory_refused();
+    pel_patience_begin(is_over, NULL);
+    assert_null(pel_allocate(3, 1000));
+    assert_null(pel_allocate_aligned(3, 1000));
+    assert_null(pel_reallocate(NULL, 3, 1000));
+    assert_true(pel_patience_end());
+    assert_int_equal(pel_memory_refused(), 0);
 }
 
 static void test_copy_string(void **unused)
@@ -107,8 +146,13 @@ static void test_reserve(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_blocks_are_zeroed), cmocka_unit_test(test_overflow), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_copy_string),       cmocka_unit_test(test_reserve),
+        cmocka_unit_test(test_blocks_are_zeroed),
+        cmocka_unit_test(test_overflow),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_overflow_is_refused),
+        cmocka_unit_test(test_impatience_is_not_refused),
+        cmocka_unit_test(test_copy_string),
+        cmocka_unit_test(test_reserve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

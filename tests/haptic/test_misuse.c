@@ -90,6 +90,8 @@ static void test_haptic(void **unused)
     sim_def.tool_count = 1;
     pel_sim *sim = make_sim(&sim_def);
     pel_haptic_def def = pel_haptic_def_default(), wrong;
+    /* energy that a delay would make is taken unless somebody declines that */
+    assert_true(def.passivity_control);
     def.sim = sim;
     pel_haptic *haptic;
     REFUSED("haptic", pel_haptic_create(&def, NULL, &error));

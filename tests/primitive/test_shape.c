@@ -480,6 +480,7 @@ static void test_set(void **unused)
         {"size_x", "nan", "grid: size_x cannot be 'nan'", "give a number in m"},
         {"size_x", "inf", "grid: size_x is inf", "give a number greater than 0, at most 1e+09"},
         {"diagonals", "onion-jack", "grid: diagonals cannot be 'onion-jack'", "did you mean 'union-jack'?"},
+        {"diagonals", "equilaterals", "grid: diagonals cannot be 'equilaterals'", "did you mean 'equilateral'?"},
     };
     pel_shape_def before = def;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {

@@ -46,10 +46,10 @@ size_t pel_memory_refused(void)
     return bytes;
 }
 
-/* no block for these bytes, or the one that there is */
+/* no block for these bytes, or the one that there is; a thread that is to stop refuses itself, whatever the size */
 static void *note(void *block, size_t count, size_t size)
 {
-    if (block == NULL && size > 0)
+    if (block == NULL && size > 0 && !pel_patience_is_lost())
         refused = count > SIZE_MAX / size ? SIZE_MAX : count * size;
     return block;
 }
@@ -72,7 +72,7 @@ void *pel_allocate_aligned(size_t count, size_t size)
     if (count == 0)
         count = 1;
     if (count > (SIZE_MAX - huge_page) / size || pel_patience_is_lost())
-        return NULL;
+        return note(NULL, count, size);
     size_t alignment = count * size < 4 * huge_page ? cache_line : huge_page;
     size_t bytes = (count * size + alignment - 1) / alignment * alignment;
     void *block = note(aligned_alloc(alignment, bytes), bytes, 1);
@@ -96,7 +96,7 @@ void *pel_reallocate(void *block, size_t count, size_t size)
     if (count == 0)
         count = 1;
     if (count > SIZE_MAX / size || pel_patience_is_lost())
-        return NULL;
+        return note(NULL, count, size);
     return note(realloc(block, count * size), count, size);
 }
 
@@ -121,7 +121,7 @@ int pel_reserve(void **array, size_t *capacity, size_t needed, size_t size)
     size_t grown = *capacity < 16 ? 16 : *capacity;
     while (grown < needed) {
         if (grown > SIZE_MAX / 2)
-            return 0;
+            return note(NULL, needed, size) != NULL;
         grown *= 2;
     }
     void *block = pel_reallocate(*array, grown, size);

@@ -159,7 +159,8 @@ const double *pel_usd_sample(const pel_usd_samples *samples, size_t i, size_t *c
 {
     const size_t begin = i > 0 ? samples->ends[i - 1] : 0;
     *count = samples->ends[i] - begin;
-    return samples->values + begin;
+    /* samples that are all empty have no block */
+    return *count > 0 ? samples->values + begin : NULL;
 }
 
 size_t pel_usd_sample_at(const pel_usd_samples *samples, double code, double *share)

@@ -8,9 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#if !defined(_WIN32)
 #include <sys/statvfs.h>
-#endif
 
 /* files of a kind in a run, at most: more take a file system minutes to list */
 #define MOST_FILES 1e7
@@ -42,10 +40,6 @@ double pel_run_frame_bytes(const pel_run_surface *surface, const pel_output_def 
  */
 static double free_bytes(const char *folder)
 {
-#if defined(_WIN32)
-    (void)folder;
-    return (double)HUGE_VAL;
-#else
     char path[PEL_RUN_FILE_SIZE];
     struct statvfs disk;
     snprintf(path, sizeof path, "%s", folder);
@@ -57,7 +51,6 @@ static double free_bytes(const char *folder)
         *slash = '\0';
     }
     return (double)disk.f_bavail * (double)disk.f_frsize;
-#endif
 }
 
 /* "1000 frames of 1.7 MB and 10 checkpoints of 2.2 MB take about 1.72 GB" */
