@@ -303,7 +303,7 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
                               const char *key, const char *const *known, size_t known_count)
 {
     char places[120];
-    const char *everyday = pel_everyday_key(key);
+    const char *everyday = pel_everyday_key(key, known, known_count), *thing = pel_everyday_thing(key);
     const bool is_short = known_count > 0 && known_count <= MOST_LISTED;
     char list[250] = "";
     for (size_t i = 0; is_short && i < known_count; i++)
@@ -313,10 +313,12 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
         pel_fail_remedy(reader->error, "numbers have a point and no commas: 0.5, 100000");
     else if (everyday != NULL && pel_is_among(everyday, known, known_count))
         pel_fail_remedy(reader->error, "did you mean '%s'?", everyday);
-    else if (everyday != NULL && find_places(reader, prefix, everyday, places, sizeof places)[0] != '\0')
-        pel_fail_remedy(reader->error, "did you mean '%s'? it is a key of %s", everyday, places);
     else if (find_places(reader, prefix, key, places, sizeof places)[0] != '\0')
         pel_fail_remedy(reader->error, "it is a key of %s%s%s", places, is_short ? "; known here are: " : "", list);
+    else if (thing != NULL)
+        pel_fail_remedy(reader->error, "%s", thing);
+    else if (everyday != NULL && find_places(reader, prefix, everyday, places, sizeof places)[0] != '\0')
+        pel_fail_remedy(reader->error, "did you mean '%s'? it is a key of %s", everyday, places);
     return PEL_BAD_SCENE;
 }
 
