@@ -352,7 +352,7 @@ static double told_seconds(const char *text, const char *method, bool may_jam)
 }
 
 /* What takes long is told: 320 triangles cost 5e-3 n (n / 1000)^1/4 ms a step, under contact 30e-3, under static three
-   systems; smooth tetrahedra four times the others; substeps of xpbd 50e-6 n each. */
+   systems; smooth tetrahedra four times the others; substeps of xpbd, and steps of the others, 50e-6 n each. */
 static void test_long_runs(void **unused)
 {
     (void)unused;
@@ -371,6 +371,12 @@ static void test_long_runs(void **unused)
     assert_near(told_seconds(fixed, "static", false), 15e-3 * step * steps, 0.02 * 15e-3 * step * steps);
     assert_true(told_seconds(soft, "xpbd", false) > 50e-9 * 320 * steps);
     assert_true(told_seconds(brief, "implicit", false) == 0);
+    static const char *const short_steps[] = {"explicit", "pbd", "quasi-static"};
+    for (size_t i = 0; i < sizeof short_steps / sizeof *short_steps; i++) {
+        char tiny[1000];
+        snprintf(tiny, sizeof tiny, LONG_HEAD SOFT PRESSED "solver: {method: %s, dt: 1e-12}\n", short_steps[i]);
+        assert_true(told_seconds(tiny, short_steps[i], false) > 50e-9 * 320 * 5000e12 * 0.9);
+    }
     char text[2][1000];
     double seconds[2];
     for (int i = 0; i < 2; i++) {

@@ -333,13 +333,68 @@ static void test_refusals(void **state)
     pel_mesh_destroy(mesh);
 }
 
+/* ---- stiffening ---- */
+
+/* Steps a balloon of a rubber whose chains end, blown up at once, for up to 10 ms; J that appeared, relative. */
+static pel_status blow_up(const pel_mesh *mesh, double dt, double *excess, pel_error *error)
+{
+    pel_body_def body = pel_body_def_sheet("balloon", mesh, 1e6, 1e-3, 1000);
+    pel_model_def model_def = pel_model_def_default();
+    pel_sim_def def = pel_sim_def_default();
+    pel_model *model;
+    pel_sim *sim;
+    pel_sim_ledger ledger;
+    body.shell.membrane.kind = PEL_MEMBRANE_GENT;
+    body.shell.membrane.extension_limit = 3;
+    body.shell.membrane.poisson = 0.5;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.value = -9000;
+    model_def.bodies = &body;
+    model_def.body_count = 1;
+    assert_int_equal(pel_model_create(&model_def, &model, NULL), PEL_OK);
+    def.model = model;
+    def.solver.method = PEL_METHOD_EXPLICIT;
+    def.solver.dt = dt;
+    if (!(dt > 0))
+        assert_int_equal(pel_sim_stable_dt(&def, &def.solver.dt, NULL), PEL_OK);
+    assert_int_equal(pel_sim_create(&def, &sim, NULL), PEL_OK);
+    pel_status status = PEL_OK;
+    while (status == PEL_OK && pel_sim_time(sim) < 0.01)
+        status = pel_sim_step(sim, error);
+    pel_sim_get_ledger(sim, &ledger);
+    *excess = (ledger.energy_error + ledger.dissipated_solver) / ledger.supplied;
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    return status;
+}
+
+/* half of the limit at rest is too long when the rubber is near its end: the error names a step that holds */
+static void test_stiffening(void **state)
+{
+    (void)state;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh;
+    pel_error error = {0};
+    double excess, dt = 0;
+    shape.frequency = 4;
+    shape.radius = 0.1;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    assert_int_equal(blow_up(mesh, 0, &excess, &error), PEL_DIVERGED);
+    assert_int_equal(sscanf(error.remedy, "use solver.dt: %lf:", &dt), 1);
+    assert_true(dt > 1e-6);
+    assert_int_equal(blow_up(mesh, dt, &excess, &error), PEL_OK);
+    print_message("%s; energy off by %.2g\n", error.remedy, excess);
+    assert_true(excess < 0.01);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fall),     cmocka_unit_test(test_collision), cmocka_unit_test(test_top),
         cmocka_unit_test(test_pendulum), cmocka_unit_test(test_motor),     cmocka_unit_test(test_weight),
         cmocka_unit_test(test_loose),    cmocka_unit_test(test_carried),   cmocka_unit_test(test_grasp),
-        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_refusals),  cmocka_unit_test(test_stiffening),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

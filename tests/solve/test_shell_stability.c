@@ -23,6 +23,25 @@ static pel_stability stability_of(const pel_model *model)
     return stability;
 }
 
+/* 1/s2, of a model stretched in its plane */
+static double stiffness_at(const pel_model *model, double stretch)
+{
+    pel_state *state = make_state(model);
+    pel_batches *batches;
+    pel_shell_forces *forces;
+    double stiffness;
+    assert_int_equal(pel_batches_create(model, PEL_METHOD_EXPLICIT, &batches, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(batches, &forces, NULL), PEL_OK);
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int c = 0; c < 2; c++)
+            state->position[v][c] *= (pel_real)stretch;
+    assert_int_equal(pel_shell_stability_now(model, state, forces, NULL, &stiffness), PEL_OK);
+    pel_shell_forces_destroy(forces);
+    pel_batches_destroy(batches);
+    pel_state_destroy(state);
+    return stiffness;
+}
+
 /* the refined number is the bound where it would be above it */
 static void check_bound(const pel_body_def *body, double most, const char *name)
 {
@@ -128,13 +147,28 @@ static void test_corners(void **unused)
     }
 }
 
+/* At rest it is that of the rest. At the stretch l waves along their direction have E (3 l^2 - 1) / 2 of stvk with nu =
+   0, and waves across it E (2 l^2 - 1) / 2: 5.5 and 7 times that at rest, so that a mesh has a number between them. */
+static void test_stretched(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_grid(6, 6, 1, 1, PEL_GRID_UNION_JACK);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.membrane.poisson = 0;
+    pel_model *model = make_model(&body);
+    const double rest = stability_of(model).stiffness, here = stiffness_at(model, 1), far = stiffness_at(model, 2);
+    assert_near(here, rest, 1e-3 * rest);
+    print_message("stretched: %.3g times the stiffness at rest\n", far / rest);
+    assert_true(far > 5.5 * rest && far < 7 * rest);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_pressures),
-        cmocka_unit_test(test_corners),
+        cmocka_unit_test(test_parts),   cmocka_unit_test(test_materials), cmocka_unit_test(test_pressures),
+        cmocka_unit_test(test_corners), cmocka_unit_test(test_stretched),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -188,7 +188,7 @@ void pel_scene_tell_cost(pel_scene_reader *reader, const pel_scene *scene)
     double steps = solver->dt > 0 ? scene->duration / solver->dt : 0, step = 0;
     if (stepper->turns_edges)
         step = cost.usual * (stepper->is_static ? PEL_STATIC_SYSTEMS : 1);
-    else if (pel_stepper_knows_material(stepper) && stepper->has_substeps)
+    else
         step = cost.substep * pel_max(1, pel_max(solver->substeps, scene->needed_substeps));
     if (1e-3 * steps * step > LONG_RUN)
         pel_log_line(reader->log, "%.0f steps of %s take about %g s of one core, %g ms a step%s", steps,

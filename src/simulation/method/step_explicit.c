@@ -224,9 +224,31 @@ static pel_status step_rigid(pel_sim *sim, pel_step_result *result, pel_error *e
     return PEL_OK;
 }
 
+/* at the last good state: 0 where that is not known */
+static double limit_now(const pel_sim *sim)
+{
+    pel_stability stability;
+    double stiffness = 0;
+    pel_stability_bound(sim->model, &stability);
+    if (sim->shells != NULL)
+        pel_shell_stability_now(sim->model, sim->state, sim->shells, sim->pool, &stiffness);
+    return stiffness > 0 ? pel_stability_dt(&stability, stiffness, sim->solver.symplectic) : 0;
+}
+
+bool pel_explicit_advise(const pel_sim *sim, pel_error *error)
+{
+    const double limit = limit_now(sim);
+    if (!(limit > 0 && limit < sim->step.dt))
+        return false;
+    pel_fail_remedy(error, "use solver.dt: %.2g: as the body is stretched now, the limit is %.3g, below dt %g",
+                    SAFE_SHARE * limit, limit, sim->step.dt);
+    return true;
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
-    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
+    if (!pel_explicit_advise(sim, error))
+        pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
 }
 
 const pel_stepper pel_step_explicit_kind = {

@@ -11,4 +11,7 @@ pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability
  */
 pel_status pel_explicit_limit(pel_sim *sim, double *limit, pel_error *error);
 
+/* Names a stable dt as the remedy where the bodies have stiffened so much that dt is none any more; else false. */
+bool pel_explicit_advise(const pel_sim *sim, pel_error *error);
+
 #endif

@@ -12,6 +12,7 @@
 #include "force/pressure.h"
 #include "math/extremes.h"
 #include "method/bending_weight.h"
+#include "method/step_explicit.h"
 #include "observe/ledger.h"
 #include "pellicle/tear.h"
 #include "sim/cut.h"
@@ -162,6 +163,14 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
     return status == PEL_OK && sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : status;
 }
 
+static pel_status check_volumes(const pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_shells_check_volume(sim, error);
+    if (status == PEL_DIVERGED && sim->stepper->is_explicit)
+        pel_explicit_advise(sim, error);
+    return status;
+}
+
 /* the new positions and velocities of the method */
 static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_error *error)
 {
@@ -178,7 +187,7 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
         status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
     if (status == PEL_OK && !sim->part.is_refused && !pel_sim_has_self_contact(sim))
-        status = pel_shells_check_volume(sim, error);
+        status = check_volumes(sim, error);
     if ((status != PEL_OK || sim->part.is_refused) && stepper->moves_tools)
         pel_tools_return(sim);
     return status;

@@ -24,7 +24,8 @@ enum { LEAST_ITERATIONS = 40, MOST_ITERATIONS = 400 };
 
 typedef struct power_iteration {
     const pel_model *model;
-    pel_state state; /* a copy whose position is `moved` */
+    const pel_record *base; /* (vertex_count) positions about which the forces are taken */
+    pel_state state;        /* a copy whose position is `moved` */
     pel_shell_forces *forces;
     pel_pool *pool;
     pel_record *moved, *force, *mode; /* (vertex_count) */
@@ -47,13 +48,13 @@ static void start_mode(const pel_model *model, pel_record *mode)
         }
 }
 
-/* adds sign times the forces at rest + sign size mode to force */
+/* adds sign times the forces at base + sign size mode to force */
 static void add_forces(power_iteration *at, pel_record *force, double sign)
 {
     const pel_model *model = at->model;
     pel_real step = (pel_real)(sign * at->size);
     for (int32_t v = 0; v < model->vertex_count; v++)
-        at->moved[v] = model->rest[v] + step * at->mode[v];
+        at->moved[v] = at->base[v] + step * at->mode[v];
     pel_body_forces(model, &at->state, NULL, at->pool, at->force);
     pel_shell_forces_add(at->forces, at->moved, pel_instant(0), PEL_SHELL_ALL, at->pool, at->force);
     for (int32_t v = 0; v < model->vertex_count; v++)
@@ -94,19 +95,23 @@ static double smallest_edge(const pel_model *model)
     return edge;
 }
 
-pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
-                                      pel_pool *pool, pel_stability *stability, pel_error *error)
+/* about `base` */
+static pel_status iterate(const pel_record *base, const pel_model *model, const pel_state *state,
+                          pel_shell_forces *forces, pel_pool *pool, double *stiffness)
 {
     size_t count = (size_t)model->vertex_count;
-    power_iteration at = {model, *state, forces, pool, NULL, NULL, NULL, DISTURBANCE * smallest_edge(model)};
+    power_iteration at = {.model = model,
+                          .base = base,
+                          .state = *state,
+                          .forces = forces,
+                          .pool = pool,
+                          .size = DISTURBANCE * smallest_edge(model)};
     at.moved = pel_allocate_aligned(count, sizeof *at.moved);
     at.force = pel_allocate_aligned(count, sizeof *at.force);
     at.mode = pel_allocate_aligned(count, sizeof *at.mode);
     pel_record *product = pel_allocate_aligned(count, sizeof *product);
-    pel_status status = PEL_OK;
-    if (at.moved == NULL || at.force == NULL || at.mode == NULL || product == NULL) {
-        status = pel_fail_memory(error);
-    } else {
+    const bool done = at.moved != NULL && at.force != NULL && at.mode != NULL && product != NULL;
+    if (done) {
         at.state.position = at.moved;
         start_mode(model, at.mode);
         double value = 0, before = -1;
@@ -116,8 +121,25 @@ pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *s
             value = power_step(&at, product);
         }
         /* the quotient comes from below */
-        stability->stiffness = pel_min(MARGIN * value, stability->stiffness_bound);
+        *stiffness = MARGIN * value;
     }
     PEL_FREE_ALL(product, at.mode, at.force, at.moved);
-    return status;
+    return done ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
+                                      pel_pool *pool, pel_stability *stability, pel_error *error)
+{
+    double stiffness;
+    if (iterate(model->rest, model, state, forces, pool, &stiffness) != PEL_OK)
+        return pel_fail_memory(error);
+    stability->stiffness = pel_min(stiffness, stability->stiffness_bound);
+    return PEL_OK;
+}
+
+pel_status pel_shell_stability_now(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
+                                   pel_pool *pool, double *stiffness)
+{
+    *stiffness = 0;
+    return iterate(state->position, model, state, forces, pool, stiffness);
 }

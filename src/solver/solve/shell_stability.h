@@ -12,4 +12,9 @@ void pel_shell_stability_bound(const pel_shell_forces *forces, pel_stability *st
 pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
                                       pel_pool *pool, pel_stability *stability, pel_error *error);
 
+/* The largest eigenvalue of K/m [1/s2], stretched as the state is, where materials that stiffen have more of it than at
+   rest; 0 when out of memory. */
+pel_status pel_shell_stability_now(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
+                                   pel_pool *pool, double *stiffness);
+
 #endif
