@@ -76,10 +76,10 @@ PEL_API pel_status pel_study_store_open(const pel_study *study, const char *fold
                                         pel_study_store **store, pel_error *error);
 PEL_API void pel_study_store_close(pel_study_store *store);
 
-/* Whether the run belongs to this chunk and had no row when the folder was opened. */
+/* Whether the run belongs to this chunk and had no row when the folder was opened, or its rows were collected, last. */
 PEL_API bool pel_study_store_needs(const pel_study_store *store, int64_t run);
 
-/* Whether the run belongs to this chunk and had a row of a failed run when the folder was opened. */
+/* Whether the run belongs to this chunk and had only rows of failed runs then. */
 PEL_API bool pel_study_store_failed(const pel_study_store *store, int64_t run);
 
 /* Adds a row of pel_study_run. Of several rows of one run the one with status "done" counts, else the last. One thread

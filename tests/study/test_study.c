@@ -563,6 +563,94 @@ static void test_rows_of_one_run(void **unused)
     pel_study_destroy(study);
 }
 
+/* the row of a run with an error of some letters, in a block of its own */
+static char *long_row(int run, int length)
+{
+    char *row = malloc((size_t)length + 64);
+    assert_non_null(row);
+    int begin = snprintf(row, 64, "%d,%d,,failed,", run, run + 1);
+    memset(row + begin, 'a' + run % 26, (size_t)length);
+    row[begin + length] = '\0';
+    return row;
+}
+
+/* a line that no row is as long as, and the begin of one, behind the rows of a file */
+static void spoil_rows(const char *name)
+{
+    char path[256];
+    FILE *file = fopen(in_folder(path, name), "a");
+    assert_non_null(file);
+    fprintf(file, "%0*d\n0123456789abcdef 3,4,", 70000, 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Rows of all lengths, in any order over three files, thirteen that follow each other in one: the table has each at its
+   place, in blocks whose number does not grow with that of the rows. */
+static void test_rows_of_many_files(void **unused)
+{
+    (void)unused;
+    enum { RUNS = 1201, CHUNKS = 3, BLOCKS = 40 };
+    char path[256], *rows[RUNS];
+    pel_study *study =
+        make_study("scene: scene.yaml\nvary: { solver.alpha: { from: 1, to: 1201, count: 1201 } }\nmeasure: [steps]\n");
+    assert_int_equal(pel_study_run_count(study), RUNS);
+    int most = (int)pel_study_row_size(study) - 40;
+    for (int run = 0; run < RUNS; run++)
+        rows[run] = long_row(run, run % 7 == 0 ? most : run % 7 == 1 ? 0 : run * 37 % 200);
+    for (int chunk = 1; chunk <= CHUNKS; chunk++) {
+        pel_study_store *store;
+        assert_int_equal(pel_study_store_open(study, in_folder(path, "many"), chunk, CHUNKS, &store, NULL), PEL_OK);
+        for (int i = 0; i < RUNS; i++)
+            if (i * 500 % RUNS / 13 % CHUNKS == chunk - 1)
+                assert_int_equal(pel_study_store_gather(store, rows[i * 500 % RUNS], NULL), PEL_OK);
+        assert_int_equal(pel_study_store_flush(store, NULL), PEL_OK);
+        pel_study_store_close(store);
+    }
+    spoil_rows("many/rows/3-of-3.rows");
+    pel_study_store *store;
+    int64_t missing, failed;
+    assert_int_equal(pel_study_store_open(study, in_folder(path, "many"), 1, CHUNKS, &store, NULL), PEL_OK);
+    failing_malloc_begin(0);
+    assert_int_equal(pel_study_store_collect(store, &missing, &failed, NULL), PEL_OK);
+    allocation_count count = failing_malloc_end();
+    assert_true(missing == 0 && failed == RUNS);
+    assert_true(count.calls < BLOCKS);
+    pel_study_store_close(store);
+    char *table = read_file("many/runs.csv"), *at = strchr(table, '\n') + 1;
+    for (int run = 0; run < RUNS; run++) {
+        size_t length = strlen(rows[run]);
+        assert_memory_equal(at, rows[run], length);
+        assert_int_equal(at[length], '\n');
+        at += length + 1;
+        free(rows[run]);
+    }
+    assert_int_equal(*at, '\0');
+    pel_free(table);
+    pel_study_destroy(study);
+}
+
+/* a row that would have no room when it is read again */
+static void test_too_long_row(void **unused)
+{
+    (void)unused;
+    char path[256];
+    pel_study_store *store;
+    pel_study *study = make_study("scene: scene.yaml\nvary: { solver.alpha: [10] }\nmeasure: [steps]\n");
+    assert_int_equal(pel_study_store_open(study, in_folder(path, "long"), 1, 1, &store, NULL), PEL_OK);
+    int size = (int)pel_study_row_size(study), begin = (int)strlen("0,1,,failed,");
+    char *row = long_row(0, size - begin);
+    assert_int_equal(pel_study_store_add(store, row, NULL), PEL_BAD_ARGUMENT);
+    row[size - 1] = '\0';
+    assert_int_equal(pel_study_store_add(store, row, NULL), PEL_OK);
+    assert_int_equal(pel_study_store_collect(store, NULL, NULL, NULL), PEL_OK);
+    char *table = read_file("long/runs.csv");
+    assert_non_null(strstr(table, row));
+    pel_free(table);
+    free(row);
+    pel_study_store_close(store);
+    pel_study_destroy(study);
+}
+
 static void test_lost_rows(void **unused)
 {
     (void)unused;
@@ -787,6 +875,8 @@ int main(void)
         cmocka_unit_test(test_a_late_run_is_a_row),
         cmocka_unit_test(test_no_memory_is_a_row),
         cmocka_unit_test(test_rows_of_one_run),
+        cmocka_unit_test(test_rows_of_many_files),
+        cmocka_unit_test(test_too_long_row),
         cmocka_unit_test(test_lost_rows),
         cmocka_unit_test(test_other_study),
         cmocka_unit_test(test_bad_studies),

@@ -221,38 +221,50 @@ static const char *file_name(const char *path)
     return slash != NULL ? slash + 1 : path;
 }
 
-static void put_data(pel_file_writer *writer, pel_json *json, const pel_study *study, const char *const *rows)
+static void put_data(pel_study_page *page, const pel_study *study)
 {
+    pel_file_writer *writer = &page->writer;
     pel_file_writer_printf(writer, "const study = {inputs: %d, keep: %s, name: ", (int)study->axis_count,
                            study->keep ? "true" : "false");
-    put_string(writer, json, file_name(study->path));
+    put_string(writer, &page->json, file_name(study->path));
     pel_file_writer_printf(writer, ", scene: ");
-    put_string(writer, json, study->scene_name);
+    put_string(writer, &page->json, study->scene_name);
     pel_file_writer_printf(writer, ",\nheader: ");
-    put_string(writer, json, study->header);
+    put_string(writer, &page->json, study->header);
     pel_file_writer_printf(writer, ",\nrows: [");
-    for (int64_t run = 0; run < study->run_count; run++) {
-        pel_file_writer_printf(writer, run > 0 ? ",\n" : "\n");
-        put_string(writer, json, rows[run]);
-    }
-    pel_file_writer_printf(writer, "]};\n");
 }
 
-pel_status pel_study_write_page(const pel_study *study, const char *path, const char *const *rows, pel_error *error)
+pel_status pel_study_page_open(pel_study_page *page, const pel_study *study, const char *path, pel_error *error)
 {
-    pel_file_writer writer;
-    pel_json json = {0};
-    pel_status status = pel_file_writer_open(&writer, path, error);
+    *page = (pel_study_page){.row_count = 0};
+    pel_status status = pel_file_writer_open(&page->writer, path, error);
     if (status != PEL_OK)
         return status;
-    put_lines(&writer, page_head, sizeof page_head / sizeof *page_head);
-    put_data(&writer, &json, study, rows);
-    put_lines(&writer, page_tail, sizeof page_tail / sizeof *page_tail);
-    bool failed = json.failed;
-    pel_json_free(&json);
-    if (failed) {
-        pel_file_writer_abandon(&writer);
+    put_lines(&page->writer, page_head, sizeof page_head / sizeof *page_head);
+    put_data(page, study);
+    return PEL_OK;
+}
+
+void pel_study_page_put(pel_study_page *page, const char *row)
+{
+    pel_file_writer_printf(&page->writer, page->row_count++ > 0 ? ",\n" : "\n");
+    put_string(&page->writer, &page->json, row);
+}
+
+void pel_study_page_abandon(pel_study_page *page)
+{
+    pel_json_free(&page->json);
+    pel_file_writer_abandon(&page->writer);
+}
+
+pel_status pel_study_page_commit(pel_study_page *page, pel_error *error)
+{
+    pel_file_writer_printf(&page->writer, "]};\n");
+    put_lines(&page->writer, page_tail, sizeof page_tail / sizeof *page_tail);
+    if (page->json.failed) {
+        pel_study_page_abandon(page);
         return pel_fail_memory(error);
     }
-    return pel_file_writer_commit(&writer, error);
+    pel_json_free(&page->json);
+    return pel_file_writer_commit(&page->writer, error);
 }

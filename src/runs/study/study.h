@@ -2,6 +2,7 @@
 #ifndef PEL_STUDY_STUDY_H
 #define PEL_STUDY_STUDY_H
 
+#include "io/file.h"
 #include "io/json.h"
 #include "keys/value.h"
 #include "pellicle/scene.h"
@@ -103,8 +104,19 @@ pel_status pel_study_store_flush(pel_study_store *store, pel_error *error);
 
 /* ---- page.c ---- */
 
-/* The report of the table as one HTML page; rows (run_count) without their newlines. */
-pel_status pel_study_write_page(const pel_study *study, const char *path, const char *const *rows, pel_error *error);
+/* The report of the table as one HTML page: open, then each row without its newline, then commit or abandon. */
+typedef struct pel_study_page {
+    pel_file_writer writer;
+    pel_json json;
+    int64_t row_count;
+} pel_study_page;
+
+/* On failure (PEL_BAD_FILE, PEL_OUT_OF_MEMORY) there is nothing to close. */
+pel_status pel_study_page_open(pel_study_page *page, const pel_study *study, const char *path, pel_error *error);
+void pel_study_page_put(pel_study_page *page, const char *row);
+/* Writes the rest. Closes the page also on failure. */
+pel_status pel_study_page_commit(pel_study_page *page, pel_error *error);
+void pel_study_page_abandon(pel_study_page *page);
 
 /* ---- keys.c ---- */
 
