@@ -2,6 +2,7 @@
    refined surface, bending along warp and weft, and a sheet that wrinkles. */
 #include "shell_fixture.h"
 
+#include "pellicle/shape.h"
 #include "pellicle/sim_ledger.h"
 
 enum { CELLS = 6, SIDE = CELLS + 1, SHEET = SIDE * SIDE };
@@ -111,6 +112,35 @@ static void test_ways_to_give_the_warp(void **unused)
         around[v] += young;
     vector.shell.membrane.young.field = around;
     assert_refused(&vector, PEL_BAD_ARGUMENT, "young");
+    pel_mesh_destroy(mesh);
+}
+
+/* Cloth around a box: where the warp is normal to a side, that side has the next axis. */
+static void test_warp_around_a_box(void **unused)
+{
+    (void)unused;
+    const pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BOX);
+    pel_mesh *mesh = NULL;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            mesh->positions[v][c] =
+                (double)(float)mesh->positions[v][c] * (1 + 1e-8 * (v % 7)); /* as files have them */
+    const pel_body_def body = woven_body(mesh, 0);
+    pel_model *model = make_model(&body);
+    int32_t ends = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double x[3][3], expected[2];
+        for (int k = 0; k < 3; k++)
+            pel_vec3_copy(mesh->positions[mesh->triangles[t][k]], x[k]);
+        const bool is_end = fabs(x[0][0] - x[1][0]) + fabs(x[0][0] - x[2][0]) < 1e-6;
+        ends += is_end;
+        pel_rest_triangle_direction((const double(*)[3])x, (const double[3]){!is_end, is_end, 0}, expected);
+        for (int i = 0; i < PEL_LAW_AXIS; i++)
+            assert_near(model->bodies[0].shell->axes[t][i], expected[i], 1e-12);
+    }
+    assert_true(ends > 0 && ends < mesh->triangle_count);
+    pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }
 
@@ -260,11 +290,9 @@ static void test_sheared_web(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_energy_follows_the_warp),
-        cmocka_unit_test(test_ways_to_give_the_warp),
-        cmocka_unit_test(test_bending_follows_the_warp),
-        cmocka_unit_test(test_hinges_follow_the_warp),
-        cmocka_unit_test(test_sheared_web),
+        cmocka_unit_test(test_energy_follows_the_warp), cmocka_unit_test(test_ways_to_give_the_warp),
+        cmocka_unit_test(test_warp_around_a_box),       cmocka_unit_test(test_bending_follows_the_warp),
+        cmocka_unit_test(test_hinges_follow_the_warp),  cmocka_unit_test(test_sheared_web),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -372,11 +372,11 @@ static const pel_def_row rows[] = {
      .needs = "yield", WHEN(membrane_yields), .doc = "elastoplastic: growth of the yield stress over plastic strain"},
     {"bodies[].membrane.direction", MEMBRANE(direction), .forms = PEL_FORM_VECTOR | PEL_FORM_WORD | PEL_FORM_MAP,
      WORDS("uv"), .preset = "[1, 0, 0]", .initial = 1, WHEN(has_warp),
-     .doc =
-         "the warp of an orthotropic membrane, and of bending with `weft`: a vector, projected into each triangle at "
-         "rest; uv: along the first texture coordinate, the field u, s or texture_u of a PLY file; or the direction in "
-         "which a number "
-         "rises, such as the distance from a point"},
+     .doc = "the warp of an orthotropic membrane, and of bending with `weft`: a vector [x, y, z], projected into each "
+            "triangle at rest (where it is normal to some of them, [z, x, y]); uv: along the first texture coordinate, "
+            "the field u, s or texture_u of a PLY file; or the direction in "
+            "which a number "
+            "rises, such as the distance from a point"},
     {"bodies[].membrane.direction.field", TEXT, ALTERNATIVE,
      .doc = "scalar field of the mesh: the warp is its gradient in each triangle"},
     {"bodies[].membrane.direction.center", VECTOR, .unit = "m", ALTERNATIVE,

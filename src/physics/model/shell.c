@@ -390,12 +390,28 @@ static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error 
     return PEL_OK;
 }
 
+/* whether a vector is normal to a triangle, as far as corners in single precision tell */
+static bool is_normal(const double x[3][3], const double vector[3])
+{
+    double first[3], second[3], normal[3], across[3];
+    pel_vec3_subtract(x[1], x[0], first);
+    pel_vec3_subtract(x[2], x[0], second);
+    pel_vec3_cross(first, second, normal);
+    pel_vec3_cross(normal, vector, across);
+    return pel_vec3_length(across) <= 1e-6 * pel_vec3_length(normal) * pel_vec3_length(vector);
+}
+
 void pel_shell_warp(const pel_shell *shell, int32_t t, const double x[3][3], double along[3])
 {
-    double values[3];
-    pel_vec3_copy(shell->direction, along);
-    if (shell->coordinate == NULL)
+    if (shell->coordinate == NULL) {
+        const double *vector = shell->direction;
+        if (is_normal(x, vector))
+            pel_vec3_set(along, vector[2], vector[0], vector[1]);
+        else
+            pel_vec3_copy(vector, along);
         return;
+    }
+    double values[3];
     for (int k = 0; k < 3; k++)
         values[k] = shell->coordinate[shell->mesh->triangles[t][k]];
     pel_triangle_gradient(x, values, along);
@@ -411,11 +427,14 @@ static pel_status create_axes(const pel_membrane_def *membrane, pel_shell *shell
     pel_vec3_copy(membrane->direction, shell->direction);
     if (membrane->coordinate != NULL)
         memcpy(shell->coordinate, membrane->coordinate, vertices * sizeof *shell->coordinate);
+    bool is_along_some = false;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         double x[3][3], along[3];
         load_corners(mesh, t, x);
+        is_along_some |= membrane->coordinate != NULL || !is_normal((const double(*)[3])x, shell->direction);
         pel_shell_warp(shell, t, (const double(*)[3])x, along);
-        if (!pel_rest_triangle_direction((const double(*)[3])x, along, shell->axes[t]))
+        if (!pel_rest_triangle_direction((const double(*)[3])x, along, shell->axes[t]) ||
+            (t == mesh->triangle_count - 1 && !is_along_some))
             return pel_refuse_element(
                 error, PEL_BAD_ARGUMENT, "triangle", t,
                 "choose a direction within the surface, or a coordinate that rises along the warp",

@@ -174,7 +174,8 @@ static inline pel_plate pel_shell_plate(const pel_shell *shell, int32_t t)
         plate.axis[i] = shell->axes[t][i];
     return plate;
 }
-/* The warp in space of triangle t of the mesh, with its corners at x. */
+/* The warp in space of triangle t of the mesh, with its corners at x. Where a vector [x, y, z] is normal to the
+   triangle, [z, x, y] is meant. */
 void pel_shell_warp(const pel_shell *shell, int32_t t, const double x[3][3], double along[3]);
 /* Bending of a sheet of a law over its stiffness along the first axis, and D along it for a thickness [m] for which the
    law has been made: d11 h^2 / 12. */
