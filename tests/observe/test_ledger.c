@@ -450,6 +450,62 @@ static void test_gas_at_rest(void **unused)
 }
 
 /* long substeps take energy out; energy that appears is named, beyond the tolerance */
+/* after one step at rest of a body that nothing has moved, under keyed loads, pressures or targets */
+static pel_sim_ledger ledger_at_rest(const pel_mesh *mesh, int kind, double start, double end)
+{
+    const pel_key keys[] = {{0, start}, {1, end}};
+    int32_t pinned[400];
+    pel_body_def body = ball_of_rubber(mesh);
+    pel_pressure_def *pressure = &body.shell.pressure;
+    pel_load_def load = pel_load_def_default();
+    body.pinned = pinned;
+    body.pinned_count = low_vertices(mesh, -0.8, pinned);
+    load.force[2] = 0.01;
+    load.keys = keys;
+    load.key_count = 2;
+    if (kind == 1 || kind == 3)
+        *pressure =
+            (pel_pressure_def){.kind = PEL_PRESSURE_GIVEN, .outside = {.value = 1, .keys = keys, .key_count = 2}};
+    if (kind == 3) /* without a potential */
+        pressure->form = PEL_PRESSURE_VERTEX_NORMAL;
+    if (kind == 2)
+        *pressure = (pel_pressure_def){
+            .kind = PEL_PRESSURE_VOLUME, .bulk = 1e5, .target = {.value = 1, .keys = keys, .key_count = 2}};
+    pel_model *model = make_model(&body);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.solver.method = PEL_METHOD_STATIC;
+    def.solver.dt = 1;
+    def.loads = &load;
+    def.load_count = kind == 0;
+    pel_sim *sim = make_sim(&def);
+    run_steps(sim, 1);
+    pel_sim_ledger ledger = ledger_of(sim);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    return ledger;
+}
+
+/* Loads that begin at rest pass through what lies between, so that nearly all of their work is stored. What begins with
+   a force has no balance there: a fall under the end takes energy, and makes none. */
+static void test_begin_at_once(void **unused)
+{
+    (void)unused;
+    static const double starts[] = {-0.5, -0.5, 0.98, -0.5}, rests[] = {0, 0, 1, 0}, ends[] = {1, 1, 1.02, 1};
+    pel_mesh *mesh = make_sphere(5);
+    for (int kind = 0; kind < 4; kind++) {
+        const pel_sim_ledger grown = ledger_at_rest(mesh, kind, rests[kind], ends[kind]);
+        const pel_sim_ledger fallen = ledger_at_rest(mesh, kind, starts[kind], ends[kind]);
+        print_message("%d: left of %.3g J from rest %.2g, of %.3g J from a load %.2g\n", kind, grown.supplied,
+                      left_over(&grown) / grown.supplied, fallen.supplied, left_over(&fallen) / fallen.supplied);
+        assert_near(grown.elastic, fallen.elastic, 1e-6 * grown.elastic);
+        assert_near(left_over(&grown), 0, 0.05 * grown.supplied);
+        assert_true(left_over(&fallen) < 0);
+        assert_true(fallen.supplied > 1.5 * fallen.elastic);
+    }
+    pel_mesh_destroy(mesh);
+}
+
 static void test_signs(void **unused)
 {
     (void)unused;
@@ -487,6 +543,7 @@ int main(void)
         cmocka_unit_test(test_setters),
         cmocka_unit_test(test_resumes),
         cmocka_unit_test(test_gas_at_rest),
+        cmocka_unit_test(test_begin_at_once),
         cmocka_unit_test(test_signs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

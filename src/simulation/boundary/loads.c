@@ -584,13 +584,21 @@ void pel_loads_find_spans(const pel_sim *sim, double from, double to, pel_span s
     }
 }
 
+bool pel_loads_begin_at_once(const pel_sim *sim)
+{
+    return sim->state->step == 0 && !pel_sim_has_velocity(sim) && !sim->stepper->relaxes;
+}
+
 /* mean of the forces at both ends of the step times the displacement of the edges */
 static double followers_work(const pel_sim *sim, const pel_span spans[2])
 {
+    const bool begins = pel_loads_begin_at_once(sim);
     double work = 0;
     for (int32_t i = 0; i < sim->loads->follower_count; i++) {
         double before[3], after[3], a[3], b[3];
         pel_follower_force(sim, i, spans[0], sim->state->position, before);
+        if (begins && pel_vec3_length(before) > 0)
+            pel_follower_force(sim, i, spans[1], sim->state->position, before);
         pel_follower_force(sim, i, spans[1], sim->state->position_next, after);
         pel_vec3_add(before, after, before);
         for (int k = 0; k < 2; k++) {
@@ -607,11 +615,12 @@ static double followers_work(const pel_sim *sim, const pel_span spans[2])
 /* mean factor of a load in a step; statics follow the factor of the path */
 static double mean_factor(const pel_sim *sim, const pel_load *load, const pel_span spans[2])
 {
-    const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
-    double sum = 0;
+    double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
     for (int i = 0; i < 2; i++)
-        sum += 0.5 * factors[i] * pel_curve_mean(load->keys, load->key_count, spans[i], load->from, load->until);
-    return sum;
+        factors[i] *= pel_curve_mean(load->keys, load->key_count, spans[i], load->from, load->until);
+    if (factors[0] != 0 && pel_loads_begin_at_once(sim))
+        factors[0] = factors[1];
+    return 0.5 * factors[0] + 0.5 * factors[1];
 }
 
 double pel_loads_work(const pel_sim *sim, double from, double to, double h)

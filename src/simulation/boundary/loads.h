@@ -77,6 +77,10 @@ double pel_load_factor(const pel_sim *sim, const pel_load *load, pel_span span);
 /* The span of loads that kick the velocities at a time: the step that begins there, or the time around it where
    velocities belong to the middle of a step. */
 pel_span pel_loads_kick_span(const pel_sim *sim, double time);
+/* It is the first step of a method that finds states of rest. What acts at its start has no balance yet: the body falls
+   from there under the loads at the end of the step, whose work is theirs all the way. A load that begins at 0 passes
+   through the loads in between. */
+bool pel_loads_begin_at_once(const pel_sim *sim);
 /* The spans of the two loads whose mean does the work of a step from one time to another. */
 void pel_loads_find_spans(const pel_sim *sim, double from, double to, pel_span spans[2]);
 /* The mean of a load or pressure over a span is far from that over the same time before it. */

@@ -243,10 +243,25 @@ static double potential_work(pel_sim *sim, int32_t b, const pel_span spans[2])
     if (pel_sim_projects_elements(sim) && body->shell->target.key_count > 1)
         return pel_loads_pressure_work(sim, b, after);
     const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
-    for (int i = 0; i < 2; i++)
-        work += 0.5 * (pel_pressure_potential(body->shell, spans[i], factors[i], before, body->rest_volume) -
-                       pel_pressure_potential(body->shell, spans[i], factors[i], after, body->rest_volume));
+    const bool falls = pel_loads_begin_at_once(sim) &&
+                       pel_pressure_difference(body->shell, spans[0], factors[0], before, body->rest_volume) != 0;
+    for (int i = falls; i < 2; i++)
+        work +=
+            (falls ? 1 : 0.5) * (pel_pressure_potential(body->shell, spans[i], factors[i], before, body->rest_volume) -
+                                 pel_pressure_potential(body->shell, spans[i], factors[i], after, body->rest_volume));
     return work;
+}
+
+/* N, sets sim->force to the pressures without a potential on the positions at the start of the step */
+static double find_followers(pel_sim *sim, pel_span span, double load_factor)
+{
+    double square = 0;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_set_load_factor(sim->shells, load_factor);
+    pel_shell_forces_add(sim->shells, sim->state->position, span, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        square += sum_of(sim->force[v] * sim->force[v]);
+    return sqrt(square);
 }
 
 /* pressures without a potential, of all bodies */
@@ -254,9 +269,8 @@ static double follower_work(pel_sim *sim, const pel_span spans[2])
 {
     const pel_state *state = sim->state;
     double work = 0;
-    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-    pel_shell_forces_set_load_factor(sim->shells, state->load_factor_before);
-    pel_shell_forces_add(sim->shells, state->position, spans[0], PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    if (find_followers(sim, spans[0], state->load_factor_before) > 0 && pel_loads_begin_at_once(sim))
+        find_followers(sim, spans[1], state->load_factor);
     pel_shell_forces_set_load_factor(sim->shells, state->load_factor);
     pel_shell_forces_add(sim->shells, state->position_next, spans[1], PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
