@@ -116,6 +116,16 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: young, thick"},
     {"version: 1\nduration: 2\nbodies:\n  - {name: a, mesh: ball.obj}\n", NULL,
      "a.yaml:4:21: error: bodies.0.mesh is 'ball.obj', it must be: map. write { file: ball.obj }"},
+    {BALL "    membrane: { young: 1e6, thickness: 1mm }\n", NULL,
+     "a.yaml:5:40: error: bodies.0.membrane.thickness is '1mm', it must be: number or map. write the number without a "
+     "unit; it is in m"},
+    {BALL "    pinned: [0, 1, 2]\n", NULL,
+     "a.yaml:5:13: error: bodies.0.pinned is a list, it must be: map or all or boundary. write { vertices: [...] }"},
+    {BALL "    pinned: [{group: a}, {group: b}]\n", NULL,
+     "a.yaml:5:13: error: bodies.0.pinned is a list, it must be: map or all or boundary. write { union: [...] }"},
+    {BALL "wind: [1, 0, 0]\n", NULL, "a.yaml:5:7: error: wind is a list, it must be: map. write { velocity: [...] }"},
+    {BALL "gravity: -9.81\n", NULL,
+     "a.yaml:5:10: error: gravity is '-9.81', it must be: vector [x, y, z]. write [0, 0, -9.81] for one along z"},
     {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
      "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number "
      "without a unit; it is in N/m"},

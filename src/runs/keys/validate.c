@@ -5,6 +5,7 @@
 #include "keys/everyday.h"
 #include "keys/yaml.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -84,7 +85,14 @@ static bool has_unit(const char *text)
 {
     double number;
     const char *end = pel_number_parse(text, text + strlen(text), &number);
-    return end != NULL && isfinite(number) && *end == ' ';
+    return end != NULL && isfinite(number) && (*end == ' ' || isalpha((unsigned char)*end));
+}
+
+static bool is_number(const char *text)
+{
+    double number;
+    const char *end = pel_number_parse(text, text + strlen(text), &number);
+    return end != NULL && *end == '\0';
 }
 
 /* the key of a map that has a scalar as its word; null if there is none */
@@ -95,6 +103,26 @@ static const char *key_of_word(const pel_scene_reader *reader, const pel_def_row
         if (value->kind == PEL_SCENE_SCALAR && child->words != NULL && is_one_of(value->text, child->words))
             return pel_scene_row_name(child, prefix);
     return NULL;
+}
+
+/* the key of a map that has a list in its place; null if there is none */
+static const char *key_of_list(const pel_scene_reader *reader, const pel_def_row *row, const pel_scene_value *value)
+{
+    const char *prefix = pel_scene_row_prefix(row);
+    const pel_scene_value *first = value->kind == PEL_SCENE_LIST ? value->first : NULL;
+    const bool has_numbers = first != NULL && first->kind == PEL_SCENE_SCALAR;
+    const pel_def_row *found = NULL;
+    for (const pel_def_row *child = NULL;
+         first != NULL && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;) {
+        const pel_def_row *element = pel_scene_row_find(reader->table, child->path, "[]");
+        const bool is_list =
+            child->forms == PEL_FORM_LIST && element != NULL && ((element->forms & PEL_FORM_MAP) != 0) == !has_numbers;
+        if (is_list && (!has_numbers || element->forms == PEL_FORM_INTEGER))
+            return pel_scene_row_name(child, prefix);
+        if (found == NULL && has_numbers && child->forms == PEL_FORM_VECTOR)
+            found = child;
+    }
+    return found != NULL ? pel_scene_row_name(found, prefix) : NULL;
 }
 
 /* the expected form, for a value of the wrong form */
@@ -108,6 +136,7 @@ static void advise_form(pel_scene_reader *reader, const pel_def_row *row, const 
     char names[200] = "";
     bool takes_file = false;
     const char *key = row->forms == PEL_FORM_MAP ? key_of_word(reader, row, value) : NULL;
+    const char *list_key = row->forms & PEL_FORM_MAP ? key_of_list(reader, row, value) : NULL;
     for (const pel_def_row *child = NULL;
          row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;) {
         const char *name = pel_scene_row_name(child, prefix);
@@ -123,6 +152,10 @@ static void advise_form(pel_scene_reader *reader, const pel_def_row *row, const 
         pel_fail_remedy(reader->error, "write { file: %.150s }", value->text);
     else if (key != NULL)
         pel_fail_remedy(reader->error, "write { %s: %s }", key, value->text);
+    else if (list_key != NULL)
+        pel_fail_remedy(reader->error, "write { %s: [...] }", list_key);
+    else if (row->forms == PEL_FORM_VECTOR && value->kind == PEL_SCENE_SCALAR && is_number(value->text))
+        pel_fail_remedy(reader->error, "write [0, 0, %s] for one along z", value->text);
     else if (value->kind == PEL_SCENE_SCALAR && value->parent != NULL && names[0] != '\0')
         pel_fail_remedy(reader->error, "write { key: value } with keys of: %s", names);
     else
