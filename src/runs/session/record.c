@@ -8,43 +8,51 @@
 #include <stdio.h>
 #include <string.h>
 
-void pel_session_events_cut(pel_session_events *events, size_t count)
+static const char before[] = "  - \"", behind[] = "\"\n";
+enum { BEFORE = sizeof before - 1, BEHIND = sizeof behind - 1, NUMBER = 24 };
+
+void pel_session_events_cut(pel_session_events *events, size_t length)
 {
-    while (events->count > count)
-        pel_free(events->events[--events->count].line);
+    events->length = length < events->length ? length : events->length;
+    events->unchanged = events->length < events->unchanged ? events->length : events->unchanged;
 }
 
 void pel_session_events_clear(pel_session_events *events)
 {
-    pel_session_events_cut(events, 0);
-    pel_free(events->events);
+    pel_free(events->text);
     *events = (pel_session_events){0};
 }
 
-pel_status pel_session_events_reserve(pel_session_events *events, const pel_command *command, char **line,
-                                      pel_error *error)
+pel_status pel_session_events_reserve(pel_session_events *events, pel_error *error)
 {
-    void *all = events->events;
-    *line = pel_allocate(command->shape == PEL_TOOL_MESH ? PEL_SESSION_LINE : strlen(command->line) + 1, 1);
-    if (*line == NULL || !pel_reserve(&all, &events->room, events->count + 1, sizeof *events->events)) {
-        pel_free(*line);
+    void *text = events->text;
+    if (!pel_reserve(&text, &events->room, events->length + BEFORE + NUMBER + PEL_SESSION_LINE + BEHIND + 1, 1))
         return pel_fail_memory(error);
-    }
-    events->events = all;
+    events->text = text;
     return PEL_OK;
 }
 
-void pel_session_events_add(pel_session_events *events, int64_t step, const pel_command *command, char *line)
+/* where the last line starts */
+static size_t find_last(const pel_session_events *events)
 {
-    pel_session_event *last = events->count > 0 ? &events->events[events->count - 1] : NULL;
-    bool is_move = command->word == PEL_COMMAND_MOVE;
-    memcpy(line, command->line, strlen(command->line) + 1);
-    if (is_move && last != NULL && last->is_move && last->step == step) {
-        pel_free(last->line);
-        last->line = line;
-        return;
-    }
-    events->events[events->count++] = (pel_session_event){step, is_move, line};
+    size_t start = events->length > 0 ? events->length - 1 : 0;
+    while (start > 0 && events->text[start - 1] != '\n')
+        start--;
+    return start;
+}
+
+void pel_session_events_add(pel_session_events *events, int64_t step, const pel_command *command)
+{
+    static const char move[] = "move ";
+    char begin[BEFORE + NUMBER + sizeof move];
+    snprintf(begin, sizeof begin, "%s%" PRId64 " %s", before, step, move);
+    size_t last = find_last(events), length = strlen(begin);
+    if (command->word == PEL_COMMAND_MOVE && events->length - last > length &&
+        memcmp(events->text + last, begin, length) == 0)
+        pel_session_events_cut(events, last);
+    size_t room = events->room - events->length;
+    events->length += (size_t)snprintf(events->text + events->length, room, "%s%" PRId64 " %s%s", before, step,
+                                       command->line, behind);
 }
 
 /* ---- as text ---- */
@@ -83,23 +91,16 @@ static pel_status hand_over(writer *out, char **text, pel_error *error)
     return PEL_OK;
 }
 
-static void put_events(const pel_session_events *events, writer *out, const char *before, const char *after)
-{
-    char number[32];
-    for (size_t i = 0; i < events->count; i++) {
-        put_text(out, before);
-        snprintf(number, sizeof number, "%" PRId64 " ", events->events[i].step);
-        put_text(out, number);
-        put_text(out, events->events[i].line);
-        put_text(out, after);
-    }
-}
-
 pel_status pel_session_events_lines(const pel_session_events *events, char **text, pel_error *error)
 {
     writer out = {0};
     put_text(&out, "");
-    put_events(events, &out, "", "\n");
+    for (size_t at = 0, end; at < events->length; at = end) {
+        const char *line_end = memchr(events->text + at, '\n', events->length - at);
+        end = (size_t)(line_end - events->text) + 1;
+        put(&out, events->text + at + BEFORE, end - at - BEFORE - BEHIND);
+        put_text(&out, "\n");
+    }
     return hand_over(&out, text, error);
 }
 
@@ -130,7 +131,10 @@ pel_status pel_session_events_scene(const pel_session_events *events, const char
     pel_number_print(number, duration);
     put_text(&out, "duration: ");
     put_text(&out, number);
-    put_text(&out, events->count > 0 ? "\nsession:\n" : "\n");
-    put_events(events, &out, "  - \"", "\"\n");
+    put_text(&out, "\n");
+    if (events->length > 0) {
+        put_text(&out, "session:\n");
+        put(&out, events->text, events->length);
+    }
     return hand_over(&out, text, error);
 }

@@ -43,7 +43,7 @@ typedef struct body_grip {
 /* a state that undo returns to */
 typedef struct mark {
     pel_snapshot *snapshot;
-    size_t event_count;
+    size_t record_length;
     int32_t next_line;
     int32_t *counts;     /* (body_count) vertices of their meshes */
     unsigned char *pins; /* of all bodies, one after the other */
@@ -160,7 +160,7 @@ static void drop_mark(mark *at)
 
 static pel_status make_mark(const pel_session *session, mark *at, pel_error *error)
 {
-    *at = (mark){.event_count = session->record.count, .next_line = session->next_line};
+    *at = (mark){.record_length = session->record.length, .next_line = session->next_line};
     size_t pin_count = 0;
     for (int32_t b = 0; b < session->body_count; b++)
         pin_count += (size_t)session->bodies[b].vertex_count;
@@ -699,7 +699,7 @@ static pel_status go_back(pel_session *session, const mark *to, pel_error *error
         status = pel_snapshot_restore(session->sim, to->snapshot, error);
     if (status != PEL_OK)
         return status;
-    pel_session_events_cut(&session->record, to->event_count);
+    pel_session_events_cut(&session->record, to->record_length);
     session->next_line = to->next_line;
     const unsigned char *pins = to->pins;
     for (int32_t b = 0; b < session->body_count; b++) {
@@ -786,18 +786,15 @@ pel_status pel_session_apply(pel_session *session, const char *line, pel_error *
     PEL_REFUSE_NULL(session, error);
     PEL_REFUSE_NULL(line, error);
     pel_command command;
-    char *kept = NULL;
     bool done = false;
     pel_status status = pel_command_parse(line, &command, error);
     if (status == PEL_OK)
-        status = pel_session_events_reserve(&session->record, &command, &kept, error);
+        status = pel_session_events_reserve(&session->record, error);
     if (status != PEL_OK)
         return status;
     status = do_command(session, &command, &done, error);
     if (status == PEL_OK && done)
-        pel_session_events_add(&session->record, pel_sim_step_count(session->sim), &command, kept);
-    else
-        pel_free(kept);
+        pel_session_events_add(&session->record, pel_sim_step_count(session->sim), &command);
     return status;
 }
 
@@ -841,6 +838,11 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
 }
 
 /* ---- the record ---- */
+
+pel_session_events *pel_session_record_of(pel_session *session)
+{
+    return &session->record;
+}
 
 pel_status pel_session_record(const pel_session *session, char **text, pel_error *error)
 {

@@ -179,7 +179,7 @@ static void keep_place(pel_study_store *store, int64_t run, row_place place)
 static int64_t next_line(FILE *stream, char *line, size_t room)
 {
     int64_t length = 0;
-    for (int letter = getc_unlocked(stream); letter != EOF; letter = getc_unlocked(stream), length++) {
+    for (int letter = getc(stream); letter != EOF; letter = getc(stream), length++) {
         if (letter == '\n')
             return length;
         if ((size_t)length < room)
@@ -283,7 +283,8 @@ static int64_t find_last_line(int descriptor, int64_t end)
     char piece[4096];
     while (end > 0) {
         int64_t begin = end > (int64_t)sizeof piece ? end - (int64_t)sizeof piece : 0;
-        ssize_t got = pread(descriptor, piece, (size_t)(end - begin), begin);
+        ssize_t got =
+            lseek(descriptor, (off_t)begin, SEEK_SET) < 0 ? -1 : read(descriptor, piece, (size_t)(end - begin));
         if (got < 0)
             return -1;
         for (int64_t i = got; i > 0; i--)
@@ -477,7 +478,9 @@ static pel_status read_row(pel_study_store *store, int64_t run, const char **row
     if (status != PEL_OK)
         return status;
     if (at < reader->start || at + store->line_room > reader->start + reader->length) {
-        ssize_t got = pread(reader->descriptor, reader->piece, store->line_room + (is_other ? 0 : PIECE), (off_t)at);
+        size_t wanted = store->line_room + (is_other ? 0 : PIECE);
+        ssize_t got =
+            lseek(reader->descriptor, (off_t)at, SEEK_SET) < 0 ? -1 : read(reader->descriptor, reader->piece, wanted);
         reader->start = at;
         reader->length = got > 0 ? (size_t)got : 0;
     }

@@ -82,6 +82,7 @@ struct pel_player {
     pel_kept kept;     /* its scene is own_scene */
     int32_t kept_next; /* command */
     bool repeats;
+    pel_keep keep;
     bool is_ahead; /* of the file */
     bool has_told_lost;
     double kept_at;
@@ -364,7 +365,7 @@ static void keep(pel_player *player)
     pel_error error;
     if (player->def->kept == NULL || !player->is_ahead || player->repeats)
         return;
-    pel_status status = pel_keep_write(player->def->kept, player->session, pel_sim_step_count(player->sim), &error);
+    pel_status status = pel_keep_write(&player->keep, player->session, pel_sim_step_count(player->sim), &error);
     player->kept_at = pel_seconds();
     player->is_ahead = false;
     if (status != PEL_OK && !player->has_told_lost)
@@ -758,6 +759,7 @@ pel_status pel_player_create(const pel_server_def *def, pel_mailbox *box, pel_pl
     made->box = box;
     made->scene = def->scene;
     made->self = made;
+    made->keep.path = def->kept;
     take_kept(made);
     pel_status status = start_scene(made, error);
     if (status != PEL_OK) {
@@ -776,5 +778,6 @@ void pel_player_destroy(pel_player *player)
     if (player == NULL)
         return;
     close_scene(player);
+    pel_keep_close(&player->keep);
     pel_free(player);
 }
