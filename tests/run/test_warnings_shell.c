@@ -176,6 +176,18 @@ static void test_largest_pressure(void **unused)
     assert_false(warns(BALLOON, sudden, 4, "largest-pressure"));
 }
 
+/* A flat pillow is blown up: its volume grows to some times what it was, but its cloth is hardly stretched. */
+static void test_pillow_unfolds(void **unused)
+{
+    (void)unused;
+    const char *pillow[] = {"bodies.0.mesh={ shape: box, size_x: 0.3, size_y: 0.3, size_z: 0.01, nx: 6, ny: 6, nz: 1 }",
+                            "bodies.0.pressure={ inside: 500 }", "stop.frames=60", "solver.dt=0.005"};
+    pel_run_summary summary;
+    assert_null(warning_of(BALLOON, pillow, 4, "largest-pressure", &summary));
+    print_message("volume %.3g, area %.3g\n", summary.volume_ratio_final, summary.area_ratio_final);
+    assert_true(summary.volume_ratio_final > 5 && summary.area_ratio_final < 1.2);
+}
+
 /* ---- loads ---- */
 
 #define DISC                                                                                                           \
@@ -295,7 +307,7 @@ int main(void)
         cmocka_unit_test(test_no_hinge_row),     cmocka_unit_test(test_two_rows),
         cmocka_unit_test(test_pendulum),         cmocka_unit_test(test_coarse_load),
         cmocka_unit_test(test_coarse_mode),      cmocka_unit_test(test_coarse_vibration),
-        cmocka_unit_test(test_largest_pressure),
+        cmocka_unit_test(test_largest_pressure), cmocka_unit_test(test_pillow_unfolds),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

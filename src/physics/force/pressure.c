@@ -110,6 +110,25 @@ double pel_body_volume(const pel_model *model, int32_t body, const pel_record *p
     return volume;
 }
 
+double pel_body_area(const pel_model *model, int32_t body, const pel_record *position)
+{
+    PEL_ASSERT_INDEX(body, model->body_count);
+    const pel_shell *shell = model->bodies[body].shell;
+    double area = 0;
+    const int32_t count = pel_surface_count(model, body);
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t *v = shell != NULL ? shell->corners[i] : model->triangles[pel_surface_triangle(model, body, i)];
+        double x[3][3], along[3], across[3], normal[3];
+        for (int k = 0; k < 3; k++)
+            pel_vertex_position(position, v[k], x[k]);
+        pel_vec3_subtract(x[1], x[0], along);
+        pel_vec3_subtract(x[2], x[0], across);
+        pel_vec3_cross(along, across, normal);
+        area += 0.5 * pel_vec3_length(normal);
+    }
+    return area;
+}
+
 /* ---- the largest pressure ---- */
 
 /* N/m over young times thickness of the material: derivative of the energy per area by an equal stretch in all

@@ -36,5 +36,6 @@ double pel_pressure_given(const pel_shell *shell);
 
 /* Signed volume of a body at some positions, about its first vertex. */
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position);
+double pel_body_area(const pel_model *model, int32_t body, const pel_record *position);
 
 #endif

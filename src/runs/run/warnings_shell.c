@@ -43,7 +43,7 @@
 #define MOST_SAG 1.0
 /* of all moments of single vertices, that is rounding */
 #define LEAST_MOMENT 1e-6
-/* volume over that at the largest pressure */
+/* volume of a round body over that at the largest pressure */
 #define JUMP 1.5
 /* cosine of the largest angle between gravity and the way from the row to the center of mass of a body that hangs */
 #define LEAST_HANG 0.5
@@ -334,7 +334,8 @@ void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size)
 
 /* ---- pressures ---- */
 
-/* the given pressure exceeds the largest, or, at the end, the body went far beyond where it is the largest */
+/* The given pressure exceeds the largest, or the body went far beyond where it is the largest: by its area, as a body
+   that only unfolds multiplies its volume too. */
 void pel_warnings_check_pressures(pel_run_state *run, int64_t frame)
 {
     const pel_model *model = run->sim->model;
@@ -346,9 +347,10 @@ void pel_warnings_check_pressures(pel_run_state *run, int64_t frame)
         const pel_body *body = &model->bodies[b];
         double ratio, largest = pel_pressure_peak(model, b, &ratio);
         double given = body->shell != NULL ? pel_pressure_given(body->shell) : 0;
+        const double square = (JUMP * ratio) * (JUMP * ratio);
         bool is_beyond = given > largest;
         if (frame > 0 && given > 0 && isfinite(largest))
-            is_beyond |= pel_body_volume(model, b, run->sim->state->position) > JUMP * ratio * body->rest_volume;
+            is_beyond |= pel_body_area(model, b, run->sim->state->position) > cbrt(square) * body->rest_area;
         if (!is_beyond)
             continue;
         if (run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count == 0)
