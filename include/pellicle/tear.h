@@ -56,9 +56,9 @@ typedef struct pel_tip {
     double rate;        /* J/m2, energy release rate: release over the thickness; NaN for springs without thickness */
 } pel_tip;
 /* The tips of a body in the order of their vertices: the first `room` of them, and the number of all. The force is a
-   domain integral over four rings of triangles, of membrane, fibres and springs; of a state in balance without forces
-   on vertices, filling and contact within the rings, and away from other tips and borders. On flat parts of the rest
-   shape it is exact up to the error of the elements. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+   domain integral over four rings of triangles or more (docs/cuts.md), of membrane, fibres and springs; of a state in
+   balance without forces on vertices, filling and contact within the rings, and away from other tips and borders. On
+   flat parts of the rest shape it is exact up to the error of the elements. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room, int32_t *count,
                                 pel_error *error);
 

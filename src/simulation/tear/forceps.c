@@ -26,9 +26,9 @@
 
 /* where it aims, from itself, over the distance of a new grasp */
 #define AIM_AHEAD 0.2
-/* where a new grasp takes the flap behind the tip, over how far the tool grasps, and in edges */
+/* where a new grasp takes the flap behind the tip, over how far the tool grasps; in edges, beyond the rings */
 #define GRASP_BEHIND 2.0
-#define EDGES_BEHIND 5.0
+#define EDGES_BEYOND 1.0
 /* rad, that the tear is led back to the circle by at most; the distance from it that asks for one radian, over its
  * radius
  */
@@ -177,8 +177,8 @@ static int32_t find_grip(const forceps *f)
     const pel_body *body = &f->sim->model->bodies[s->body];
     int32_t from = s->topology->corner_of_vertex[f->tip], to = pel_survey_last(s, f->tip), v = f->tip;
     bool is_from_inner = is_inner(f, from);
-    double far =
-        pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), EDGES_BEHIND * edge_at_tip(f));
+    double beyond = (EDGES_BEYOND + pel_survey_rings(f->survey, f->tip)) * edge_at_tip(f);
+    double far = pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), beyond);
     for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h);) {
         v = is_from_inner ? pel_half_edge_target(s->topology, h) : pel_half_edge_origin(s->topology, h);
         if (pel_vec3_distance(body->mesh->positions[v], f->rest) >= far)

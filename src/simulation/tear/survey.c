@@ -23,6 +23,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "force/mechanics.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "tear/material.h"
@@ -31,7 +32,10 @@
 #include <string.h>
 
 /* q is 1 up to the first ring of vertices, where the field of elements is poor, and falls linearly to 0 at the last */
-enum { RINGS = 4 };
+enum { LEAST_RINGS = 4, MOST_RINGS = 12 };
+/* over toughness / young, where strains of a tip that is about to grow are 0.38; of the root of the area of the body */
+#define REACH 1.1
+#define MOST_REACH 0.2
 /* rad, within the surface: a corner of the border with more is a notch */
 #define LEAST_NOTCH (1.5 * 3.141592653589793 + 0.02)
 /* cosine: sides of a notch go on where the border bends less */
@@ -112,6 +116,67 @@ static void direction_of(const pel_survey *s, int32_t half_edge, double directio
     pel_vec3_subtract(mesh->positions[pel_half_edge_target(s->topology, half_edge)],
                       mesh->positions[pel_half_edge_origin(s->topology, half_edge)], direction);
     pel_vec3_normalize(direction);
+}
+
+/* m, mean distance at rest from a vertex to some of the queue; infinite to none */
+static double mean_distance(const pel_survey *s, int32_t vertex, int32_t from, int32_t to)
+{
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    double sum = 0;
+    for (int32_t i = from; i < to; i++)
+        sum += pel_vec3_distance(mesh->positions[vertex], mesh->positions[s->queue[i]]);
+    return to > from ? sum / (to - from) : (double)HUGE_VAL;
+}
+
+/* whether another tip is among some of the queue; the sides between them are stretched too */
+static bool has_other_tip(const pel_survey *s, int32_t vertex, int32_t from, int32_t to)
+{
+    double ahead[3];
+    for (int32_t i = from; i < to; i++)
+        if (s->queue[i] != vertex && pel_survey_is_tip(s, s->queue[i], ahead))
+            return true;
+    return false;
+}
+
+/* whether the border of the surface, and no lip, is among some of the queue */
+static bool has_rim(const pel_survey *s, int32_t from, int32_t to)
+{
+    const pel_body *body = &s->sim->model->bodies[s->body];
+    for (int32_t i = from; i < to; i++) {
+        int32_t v = s->queue[i];
+        if (is_border(s, v) && !pel_is_lip(body, border_from(s, v)))
+            return true;
+    }
+    return false;
+}
+
+/* the vertices from which the force on a tip comes: as many rings as it asks for, and that meet no other tip and no rim
+   beyond the first ones */
+static int32_t walk_to_reach(pel_survey *s, int32_t tip, int32_t *rings)
+{
+    double stiffness = pel_tear_stiffness(s->sim, s->body, tip),
+           reach = stiffness > 0 ? REACH * pel_tear_resistance(s->sim, s->body, tip) / stiffness : 0;
+    reach = pel_min(reach, MOST_REACH * sqrt(s->sim->model->bodies[s->body].rest_area));
+    int32_t count = add(s, tip, 0, 0), begin = 0, end = 0;
+    for (*rings = 0; *rings < MOST_RINGS; ++*rings) {
+        if (*rings >= LEAST_RINGS && mean_distance(s, tip, begin, count) >= reach)
+            break;
+        for (end = count; begin < end; begin++)
+            count = add_neighbours(s, s->queue[begin], count);
+        if (*rings >= LEAST_RINGS && (has_other_tip(s, tip, end, count) || has_rim(s, end, count))) {
+            for (int32_t i = end; i < count; i++)
+                s->rings[s->queue[i]] = -1;
+            return end;
+        }
+    }
+    return count;
+}
+
+int32_t pel_survey_rings(pel_survey *s, int32_t tip)
+{
+    int32_t rings, count = walk_to_reach(s, tip, &rings);
+    pel_survey_leave(s, count);
+    return rings;
 }
 
 /* whether the side of a cut or notch goes on beyond a vertex of the border */
@@ -298,25 +363,15 @@ static void add_sides(const pel_survey *s, int32_t triangle_count, double stiffn
     }
 }
 
-/* whose sides are stretched too */
-static bool has_other_tip(const pel_survey *s, int32_t count)
-{
-    double ahead[3];
-    for (int32_t i = 1; i < count; i++)
-        if (pel_survey_is_tip(s, s->queue[i], ahead))
-            return true;
-    return false;
-}
-
 static void read_tip(pel_survey *s, int32_t vertex, const double ahead[3], pel_tip *tip)
 {
     const pel_body *body = &s->sim->model->bodies[s->body];
-    int32_t count = pel_survey_walk(s, vertex, RINGS);
+    int32_t rings, count = walk_to_reach(s, vertex, &rings);
     mark_sides(s, vertex);
     for (int32_t i = 0; i < count; i++) {
         int32_t v = s->queue[i], ring = s->rings[v];
         if (!is_border(s, v) || s->is_side[v])
-            s->weights[v] = ring <= 1 ? 1 : (double)(RINGS - ring) / (RINGS - 1);
+            s->weights[v] = ring <= 1 ? 1 : (double)(rings - ring) / (rings - 1);
     }
     *tip = (pel_tip){.body = s->body, .vertex = vertex};
     pel_vertex_position(s->sim->state->position, body->model_index[vertex], tip->position);
@@ -325,7 +380,7 @@ static void read_tip(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
     for (int32_t i = 0; i < triangle_count; i++)
         add_triangle(s, i, vertex, tip->force);
     double stiffness = pel_tear_stiffness(s->sim, s->body, vertex);
-    if (stiffness > 0 && !has_other_tip(s, count))
+    if (stiffness > 0 && !has_other_tip(s, vertex, 0, count))
         add_sides(s, triangle_count, stiffness, tip->force);
     tip->release = pel_vec3_length(tip->force);
     pel_survey_leave(s, count);

@@ -56,6 +56,8 @@ void pel_survey_read(pel_survey *survey, int32_t vertex, const double ahead[3], 
 double pel_survey_change(pel_survey *survey, const pel_tip *tip);
 /* Vertices up to some ring around one, with their rings in `rings`, until pel_survey_leave; returns their number. */
 int32_t pel_survey_walk(pel_survey *survey, int32_t vertex, int32_t ring_count);
+/* Number of the rings from which the force on a tip comes. */
+int32_t pel_survey_rings(pel_survey *survey, int32_t tip);
 /* Likewise those that edges lead to within a distance [m] at rest, with the neighbours of each. */
 int32_t pel_survey_spread(pel_survey *survey, int32_t vertex, double distance);
 void pel_survey_leave(pel_survey *survey, int32_t count);
