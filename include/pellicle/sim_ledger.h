@@ -39,9 +39,11 @@ PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
    position-based methods. A positive one is energy that appeared: the step is too long, the method does not follow the
    material, or contact and tools add energy. docs/results.md has the rule of each work. */
 typedef struct pel_sim_ledger {
-    double work_tools;    /* by tools, grasps and supports on bodies: from their readings and motions */
-    double work_loads;    /* mean force times displacement */
-    double work_pressure; /* of prescribed pressure, enclosed gas or target volume */
+    double work_tools;     /* by tools, grasps and supports on bodies: from their readings and motions */
+    double work_estimated; /* of work_tools: the sum of the sizes of what closed the balance of steps in which the force
+                              of a tool was not known. Energy that contact makes there is part of it */
+    double work_loads;     /* mean force times displacement */
+    double work_pressure;  /* of prescribed pressure, enclosed gas or target volume */
     double work_gravity;
     double work_material; /* of time-dependent parameters: keyed stiffness of springs, active fibres */
     double work_setters; /* change of energy by pel_sim_set_positions and pel_sim_set_velocities after the first step */

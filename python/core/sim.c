@@ -257,10 +257,12 @@ static const core_member measure_members[] = {
 
 #define LEDGER(member) CORE_MEMBER(pel_sim_ledger, member, CORE_DOUBLE)
 static const core_member ledger_members[] = {
-    LEDGER(work_tools),        LEDGER(work_loads),    LEDGER(work_pressure),   LEDGER(work_gravity),
-    LEDGER(work_material),     LEDGER(work_setters),  LEDGER(elastic),         LEDGER(kinetic),
-    LEDGER(elastic_start),     LEDGER(kinetic_start), LEDGER(dissipated_drag), LEDGER(dissipated_plastic),
-    LEDGER(dissipated_solver), LEDGER(energy_error),  LEDGER(supplied),        LEDGER(tolerance),
+    LEDGER(work_tools),         LEDGER(work_loads),        LEDGER(work_pressure),
+    LEDGER(work_gravity),       LEDGER(work_estimated),    LEDGER(work_material),
+    LEDGER(work_setters),       LEDGER(elastic),           LEDGER(kinetic),
+    LEDGER(elastic_start),      LEDGER(kinetic_start),     LEDGER(dissipated_drag),
+    LEDGER(dissipated_plastic), LEDGER(dissipated_solver), LEDGER(energy_error),
+    LEDGER(supplied),           LEDGER(tolerance),
 };
 
 #define SOLVER(member, kind) CORE_MEMBER(pel_solver_reading, member, kind)

@@ -824,6 +824,7 @@ static void test_every_kind_has_a_text(void **unused)
     /* nine steps are no jam, ten are, and one that steps half of all vertices back; energy counts against all that was
      * supplied */
     run.ledger.tolerance = 3;
+    run.ledger.work_estimated = 1;
     assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT - 2);
     run.totals.warnings.of[PEL_WARN_JAMMED] = (pel_warning_tally){2, 1, 0.5};
     assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT - 1);

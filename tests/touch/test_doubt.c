@@ -35,6 +35,7 @@ static void test_doubts(void **unused)
         double *moved = contacts->solved[sim->model->bodies[body].slice_begin * PEL_WIDTH + 1], kept = moved[1];
         forces->pair_next[1].load_size = presses ? 1 : 0;
         moved[1] += 0.1;
+        sim->tools->items[0].is_doubtful = false;
         pel_contacts_doubt_forces(sim, steps_back);
         assert_true(sim->tools->items[0].is_doubtful == (steps_back && (body == 0 || presses)));
         moved[1] = kept;

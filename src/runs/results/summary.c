@@ -150,6 +150,7 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
                    {"elastic", ledger->elastic},
                    {"kinetic", ledger->kinetic},
                    {"work_tools", ledger->work_tools},
+                   {"work_estimated", ledger->work_estimated},
                    {"work_loads", ledger->work_loads},
                    {"work_pressure", ledger->work_pressure},
                    {"work_gravity", ledger->work_gravity},

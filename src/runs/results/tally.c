@@ -54,6 +54,8 @@ void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const
         pel_warn(tallies, PEL_WARN_COARSE, frame, 0);
     if (ledger->energy_error > ledger->tolerance)
         pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
+    if (ledger->work_estimated > 0)
+        pel_warn(tallies, PEL_WARN_ESTIMATED, frame, ledger->work_estimated);
 }
 
 void pel_warnings_check_frame_rest(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,

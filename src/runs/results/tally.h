@@ -27,6 +27,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_ENERGY,
     PEL_WARN_JAMMED,
     PEL_WARN_TOOL_HELD,
+    PEL_WARN_ESTIMATED,
     PEL_WARN_CUT_HELD,
     PEL_WARN_GRASP_LOST,
     PEL_WARN_GRASP_EMPTY,

@@ -75,6 +75,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_ENERGY] = "energy-appears",
     [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",
+    [PEL_WARN_ESTIMATED] = "work-estimated",
     [PEL_WARN_CUT_HELD] = "cut-held-back",
     [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
@@ -108,6 +109,8 @@ static const char *const codes[PEL_WARN_COUNT] = {
 #define LONG_EXPLICIT 300
 /* of the energy: what a method may take */
 #define LITTLE_LOSS 0.04
+/* of the energy that was supplied: the work of tools whose forces are not known that is told */
+#define ESTIMATED_SHARE 0.1
 /* of the energy of a stretched start: the rest covers what projections find anew of it */
 #define STRETCHED_SHARE 0.95
 /* of the supplied energy, in the tolerance of the ledger (sim_ledger.h) */
@@ -868,6 +871,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_ENERGY] = tell_energy,
     [PEL_WARN_JAMMED] = pel_tell_jam,
     [PEL_WARN_TOOL_HELD] = pel_tell_held_tool,
+    [PEL_WARN_ESTIMATED] = pel_tell_estimated,
     [PEL_WARN_CUT_HELD] = tell_cut,
     [PEL_WARN_GRASP_LOST] = pel_tell_lost_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
@@ -928,6 +932,8 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
         return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)
         return has_energy_appeared(run);
+    if (kind == PEL_WARN_ESTIMATED)
+        return tally->count > 0 && run->ledger.work_estimated > ESTIMATED_SHARE * run->ledger.supplied;
     return tally->count > 0;
 }
 

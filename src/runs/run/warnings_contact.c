@@ -162,6 +162,17 @@ void pel_tell_held_tool(const pel_warning_text *at)
              first.name, remedy);
 }
 
+void pel_tell_estimated(const pel_warning_text *at)
+{
+    const pel_sim_ledger *ledger = &at->run->ledger;
+    snprintf(
+        at->text, at->size,
+        "%.3g J of the work of tools, for %.3g J that were supplied, are not measured: in steps in which the force "
+        "of a tool was not known they are what closed the energy balance, with any energy that contact made. move "
+        "tools that trap a body less far or more slowly",
+        ledger->work_estimated, ledger->supplied);
+}
+
 /* a limit of its force by the scene, not by the material */
 static const pel_tool_def *find_def(const pel_run_state *run, const char *tool)
 {

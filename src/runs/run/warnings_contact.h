@@ -22,6 +22,7 @@ void pel_tell_fast_blade(const pel_warning_text *at);
 
 void pel_tell_jam(const pel_warning_text *at);
 void pel_tell_held_tool(const pel_warning_text *at);
+void pel_tell_estimated(const pel_warning_text *at);
 void pel_tell_lost_grasp(const pel_warning_text *at);
 void pel_tell_lost_tie(const pel_warning_text *at);
 void pel_tell_coarse_contact(const pel_warning_text *at);

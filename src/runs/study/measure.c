@@ -67,6 +67,7 @@ static const struct summary_key {
     ENERGY(elastic_start),
     ENERGY(kinetic_start),
     ENERGY(work_tools),
+    ENERGY(work_estimated),
     ENERGY(work_loads),
     ENERGY(work_pressure),
     ENERGY(work_gravity),

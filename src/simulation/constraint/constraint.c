@@ -29,6 +29,9 @@ enum { ESTIMATE_SWEEPS = 20 };
 #define MOST_LAYER 10
 #define ALONE 1e3
 
+/* of the forces of a tool: how much they may differ from those of layers at their depths */
+#define DOUBT_SHARE 0.1
+
 /* of the two sides of a pair of lips together: below it tools and supports decide where they are */
 #define LEAST_FREEDOM 0.5
 
@@ -704,6 +707,34 @@ void pel_minimise_contacts_keep_loads(pel_sim *sim)
         pel_contact_key *key = &sim->contacts->keys[constraint->number];
         key->load = constraint->load;
         pel_vec3_copy(constraint->drag, key->drag);
+    }
+}
+
+/* N, how much the load of a layer that gives way differs from that of its depth */
+static double layer_misfit(const pel_sim *sim, const pel_minimise_contact *constraint)
+{
+    pel_gap_sample meeting;
+    double layer = layer_of(constraint);
+    if (!(pel_minimise_contact_depth(constraint) > constraint->tolerance))
+        return 0;
+    pel_minimise_contact_meet(sim, constraint, sim->minimise->position, &meeting);
+    return fabs(constraint->load - pel_max(0, -meeting.gap) / layer);
+}
+
+void pel_minimise_contacts_doubt(pel_sim *sim, bool all)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        double load = 0, misfit = 0;
+        for (int32_t c = 0; c < minimise->count; c++) {
+            const pel_minimise_contact *constraint = &minimise->constraints[c];
+            if (constraint->tool != t || !(constraint->load > 0))
+                continue;
+            load += constraint->load;
+            misfit += layer_misfit(sim, constraint);
+        }
+        tool->is_doubtful |= misfit > DOUBT_SHARE * load || (all && (load > 0 || tool->held_count > 0));
     }
 }
 

@@ -821,6 +821,8 @@ void pel_minimise_destroy(pel_sim *sim)
 void pel_minimise_read_tools(pel_sim *sim)
 {
     pel_minimise_contacts_read(sim);
+    /* a part in time that has not converged, although nobody limits its work */
+    pel_minimise_contacts_doubt(sim, !sim->minimise->result.converged && sim->part.can_halve);
     for (int32_t t = 0; t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
         for (int32_t i = 0; i < tool->held_count; i++) {
@@ -833,22 +835,9 @@ void pel_minimise_read_tools(pel_sim *sim)
     }
 }
 
-/* Forces of a part in time that has not converged, although nobody limits its work, are not known. */
-static void forget_forces(pel_sim *sim)
-{
-    const pel_minimise *minimise = sim->minimise;
-    for (int32_t t = 0; t < sim->tools->count; t++)
-        sim->tools->items[t].is_stopped |= sim->tools->items[t].held_count > 0;
-    for (int32_t c = 0; c < minimise->count; c++)
-        if (minimise->constraints[c].tool >= 0 && minimise->constraints[c].load > 0)
-            sim->tools->items[minimise->constraints[c].tool].is_stopped = true;
-}
-
 void pel_minimise_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
-    if (!part->converged && sim->part.can_halve)
-        forget_forces(sim);
     end_work(sim);
     pel_sim_newton_choose(sim);
     if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)

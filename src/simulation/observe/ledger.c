@@ -5,7 +5,8 @@
      pressure  with a potential U(V): U(V0) - U(V1) with the pressure over the step; else the mean of the forces at
                both ends times the displacement
      tools     -(F . dp + T . theta): F and T on the tool, about its position; dp and theta its translation and rotation
-               (where it was held back, also the ways of surfaces off it, which it still pushed, times their loads)
+               (where it was held back, also the ways of surfaces off it, which it still pushed, times their loads);
+               where F is not known, what closes the balance of the step, at most |F| |dp| + |T| |theta|
      material  keyed stiffness: energy at x0 with the new numbers less that with the old; active fibres likewise
      damping   drag and damping of vertices: of the leapfrog with the velocity in the middle of the step, exactly as the
                step takes it; of substeps (T0 + T1) tanh(rate dt), which is exact for an exponential decay; of the
@@ -385,25 +386,74 @@ static double closing_work(pel_sim *sim, int32_t t)
     return closing->booked - booked;
 }
 
-/* Readings of methods with velocities are impulses over dt, means of the step; the others are forces at its end. */
+/* how a tool went in the step, with the force and torque that its work is of */
+typedef struct tool_motion {
+    pel_tool_reading now;
+    double force[3], torque[3], shift[3], rotation[3];
+    double work; /* J, by these */
+    bool is_known;
+} tool_motion;
+
+/* Readings of methods with velocities are impulses over dt, means of the step; the others are forces at its end. What
+   layers have stored in steps whose force was not known is not known either: until the tool touches nothing, neither is
+   what it takes out. */
+static void find_motion(const pel_sim *sim, int32_t t, tool_motion *motion)
+{
+    const pel_tool_reading *before = &sim->ledger->tools[t];
+    double share = pel_sim_has_velocity(sim) ? 1 : 0.5;
+    pel_sim_get_tool(sim, t, &motion->now);
+    for (int i = 0; i < 3; i++) {
+        motion->force[i] = share * motion->now.force[i] + (1 - share) * before->force[i];
+        motion->torque[i] = share * motion->now.torque[i] + (1 - share) * before->torque[i];
+    }
+    pel_vec3_subtract(motion->now.position, before->position, motion->shift);
+    rotation_between(before->rotation, motion->now.rotation, motion->rotation);
+    motion->work = -pel_vec3_dot(motion->force, motion->shift) - pel_vec3_dot(motion->torque, motion->rotation);
+    const pel_tool *tool = &sim->tools->items[t];
+    motion->is_known = !tool->is_held_back && !tool->is_doubtful && !(sim->ledger->owes[t] && motion->work < 0);
+}
+
 static void add_tools(pel_sim *sim)
 {
-    double share = pel_sim_has_velocity(sim) ? 1 : 0.5;
     for (int32_t t = 0; t < sim->tools->count; t++) {
-        pel_tool_reading *before = &sim->ledger->tools[t], now;
-        double force[3], torque[3], shift[3], rotation[3];
-        pel_sim_get_tool(sim, t, &now);
-        for (int i = 0; i < 3; i++) {
-            force[i] = share * now.force[i] + (1 - share) * before->force[i];
-            torque[i] = share * now.torque[i] + (1 - share) * before->torque[i];
-        }
-        pel_vec3_subtract(now.position, before->position, shift);
-        rotation_between(before->rotation, now.rotation, rotation);
-        sim->ledger->sums.work_tools +=
-            closing_work(sim, t) - pel_vec3_dot(force, shift) - pel_vec3_dot(torque, rotation);
-        *before = now;
+        tool_motion motion;
+        find_motion(sim, t, &motion);
+        double closing = closing_work(sim, t);
+        if (motion.is_known)
+            sim->ledger->sums.work_tools += closing + motion.work;
+        else
+            sim->ledger->unsure.most += fabs(closing);
+        bool touches = motion.now.contact_count > 0 || motion.now.held_count > 0;
+        sim->ledger->owes[t] = touches && (sim->ledger->owes[t] || !motion.is_known);
+        sim->ledger->tools[t] = motion.now;
     }
     sim->ledger->sums.work_tools += pel_tools_follow_work(sim) + sim->tie_work;
+}
+
+static double remainder_at_present(pel_sim *sim)
+{
+    sim->present.has_force = false;
+    double remainder = pel_ledger_remainder(sim);
+    sim->present.has_force = false;
+    return remainder;
+}
+
+/* the most work that tools whose forces are not known can have done in the step, and the balance before it */
+static void begin_unsure(pel_sim *sim)
+{
+    pel_unsure_work *unsure = &sim->ledger->unsure;
+    *unsure = (pel_unsure_work){0};
+    for (int32_t t = 0; t < sim->tools->count && !sim->ledger->is_unread; t++) {
+        tool_motion motion;
+        find_motion(sim, t, &motion);
+        if (motion.is_known)
+            continue;
+        unsure->is_open = true;
+        unsure->most += pel_vec3_length(motion.force) * pel_vec3_length(motion.shift) +
+                        pel_vec3_length(motion.torque) * pel_vec3_length(motion.rotation);
+    }
+    if (unsure->is_open)
+        unsure->remainder = remainder_at_present(sim);
 }
 
 /* ---- the step ---- */
@@ -426,6 +476,7 @@ static void follow_growth(pel_sim *sim)
 void pel_ledger_step(pel_sim *sim, double next)
 {
     double time = pel_sim_time(sim);
+    begin_unsure(sim);
     add_gravity(sim);
     add_dissipation(sim);
     double h = pel_sim_projects_elements(sim) && !sim->solver.second_order ? sim->step.dt / sim->solver.substeps : 0;
@@ -436,6 +487,19 @@ void pel_ledger_step(pel_sim *sim, double next)
     add_tools(sim);
     follow_supply(&sim->ledger->sums);
     follow_growth(sim);
+}
+
+void pel_ledger_end_step(pel_sim *sim)
+{
+    pel_unsure_work *unsure = &sim->ledger->unsure;
+    if (!unsure->is_open)
+        return;
+    unsure->is_open = false;
+    double change = remainder_at_present(sim) - unsure->remainder;
+    double work = pel_max(-unsure->most, pel_min(unsure->most, change));
+    sim->ledger->sums.work_tools += work;
+    sim->ledger->sums.work_estimated += fabs(work);
+    follow_supply(&sim->ledger->sums);
 }
 
 static double kinetic_energy(const pel_sim *sim, const pel_sim_measures *measures)
@@ -603,8 +667,8 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
     pel_ledger *ledger = sim->ledger;
     size_t body_count = (size_t)sim->model->body_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tools->count), PEL_ROOM(ledger->closings, sim->tools->count),
-                          PEL_ROOM(ledger->factors, body_count), PEL_ROOM(ledger->volumes, body_count),
-                          PEL_ROOM(sim->checked_volumes, body_count),
+                          PEL_ROOM(ledger->owes, sim->tools->count), PEL_ROOM(ledger->factors, body_count),
+                          PEL_ROOM(ledger->volumes, body_count), PEL_ROOM(sim->checked_volumes, body_count),
                           PEL_ROOM(ledger->chunks, pel_slice_chunk_count(0, sim->model->slice_count))))
         return pel_fail_memory(error);
     pel_ledger_refill(sim);
@@ -614,8 +678,8 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 
 void pel_ledger_destroy(pel_sim *sim)
 {
-    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->closings, sim->ledger->factors, sim->ledger->volumes,
-                 sim->checked_volumes, sim->ledger->chunks);
+    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->closings, sim->ledger->owes, sim->ledger->factors,
+                 sim->ledger->volumes, sim->checked_volumes, sim->ledger->chunks);
 }
 
 /* ---- snapshots ---- */
@@ -627,4 +691,5 @@ void pel_ledger_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &ledger->sums, sizeof ledger->sums);
     pel_transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
     pel_transfer(at, &ledger->is_started, sizeof ledger->is_started);
+    pel_transfer(at, ledger->owes, (size_t)sim->tools->count);
 }

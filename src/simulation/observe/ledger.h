@@ -22,15 +22,24 @@ typedef struct pel_closing {
     double booked; /* J, of the last try */
 } pel_closing;
 
+/* of a step in which the force of a tool is not known */
+typedef struct pel_unsure_work {
+    bool is_open;
+    double most;      /* J, by the size of what was read */
+    double remainder; /* J, before the step */
+} pel_unsure_work;
+
 typedef struct pel_ledger {
-    pel_sim_ledger sums;                    /* over all steps; members of the present state stay 0 */
-    double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
-    uint8_t is_started;                     /* the energies at the start are known */
-    bool is_unread;                         /* nobody reads it: the energies at the start stay 0 */
-    bool has_damping, has_radial_damping;   /* any vertex has its own damping, along its volumetric spring */
-    double rounding;                        /* J, energy that rounding of positions alone can show */
-    pel_tool_reading *tools;                /* (tool_count) at the start of the step */
-    pel_closing *closings;                  /* (tool_count) */
+    pel_sim_ledger sums;                  /* over all steps; members of the present state stay 0 */
+    double gravity_level;                 /* J, work of gravity from the rest shape to where it was booked last */
+    uint8_t is_started;                   /* the energies at the start are known */
+    bool is_unread;                       /* nobody reads it: the energies at the start stay 0 */
+    bool has_damping, has_radial_damping; /* any vertex has its own damping, along its volumetric spring */
+    double rounding;                      /* J, energy that rounding of positions alone can show */
+    pel_tool_reading *tools;              /* (tool_count) at the start of the step */
+    pel_closing *closings;                /* (tool_count) */
+    pel_unsure_work unsure;
+    uint8_t *owes;                          /* (tool_count) it touches since a step in which its force was not known */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
     double *volumes;                        /* (body_count) m3, at the start of the step; NAN = unknown */
     pel_ledger_chunk *chunks;               /* scratch of the sums over vertices */
@@ -46,6 +55,8 @@ void pel_ledger_destroy(pel_sim *sim);
 void pel_ledger_start(pel_sim *sim);
 /* Adds the step to position_next, at the time `next`, before it is accepted. */
 void pel_ledger_step(pel_sim *sim, double next);
+/* After it is accepted: books the work of tools whose forces are not known. */
+void pel_ledger_end_step(pel_sim *sim);
 
 /* Elastic plus kinetic energy [J] before a setter changes the state; 0 before the first step. */
 double pel_ledger_energy(pel_sim *sim);

@@ -230,6 +230,7 @@ static void accept_part(pel_sim *sim, double next)
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
     pel_restitution_apply(sim);
+    pel_ledger_end_step(sim);
     pel_parts_accept(sim);
 }
 
@@ -239,6 +240,8 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
     double next = pel_sim_next_time(sim);
     pel_step_result result = {0};
     pel_contact_forces_begin(&sim->contact_forces);
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        sim->tools->items[t].is_doubtful = false;
     pel_status status = solve(sim, next, &result, error);
     if (status == PEL_OK && !sim->part.is_refused)
         status = keep_apart(sim, next, &result, error);

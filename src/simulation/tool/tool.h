@@ -103,7 +103,7 @@ typedef struct pel_tool {
     pel_pose pose_substep;      /* at the start of the substep */
     bool blocked;               /* it was held back, and has not caught up with its keys yet */
     bool is_held_back;          /* the last step held it back */
-    bool is_doubtful;           /* in this part the guard changed what it touches */
+    bool is_doubtful;           /* in this part its force is not that of the end */
     bool is_stopped;            /* by the guard after the solver, or that changed what it touches, or the step has not
                                    converged: its force is unknown */
     double stride;              /* of its way in a step, that it tries: less than 1 after it was held back */

@@ -34,8 +34,6 @@ void pel_contacts_doubt_forces(pel_sim *sim, bool has_stepped_back)
 {
     const pel_contact_set *contacts = sim->contacts;
     int32_t last = -1;
-    for (int32_t t = 0; t < sim->tools->count; t++)
-        sim->tools->items[t].is_doubtful = false;
     for (int32_t v = 0; has_stepped_back && v < contacts->vertex_count; v++) {
         int32_t body = sim->model->body_of_slice[v / PEL_WIDTH];
         if (body == last || memcmp(contacts->end[v], contacts->solved[v], sizeof contacts->end[v]) == 0)
