@@ -541,6 +541,62 @@ static void test_settled(void **unused)
     }
 }
 
+/* of a run from a ball as it is at rest, turned by an angle about (1, 2, 2) / 3, to points that lie a little aside, by
+   the factor that was prepared at rest; the unknowns in the end turned back. Returns what it cost. */
+static int64_t run_turned(sheet *s, double angle, double *unknowns)
+{
+    const double axis[3] = {1.0 / 3, 2.0 / 3, 2.0 / 3};
+    double turn[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const double skew = i == j ? 0 : (j - i + 3) % 3 == 1 ? -axis[3 - i - j] : axis[3 - i - j];
+            turn[i][j] = (1 - cos(angle)) * axis[i] * axis[j] + sin(angle) * skew + (i == j ? cos(angle) : 0);
+        }
+    pel_newton_problem problem = problem_of(s, NULL);
+    problem.tolerance = 1e-6;
+    for (int32_t v = 0; v < s->model->vertex_count; v++)
+        pel_vertex_position(s->model->rest, v, s->unknowns + 3 * v);
+    assert_int_equal(pel_newton_prepare(s->newton, &problem, s->unknowns, NULL), PEL_OK);
+    for (int32_t v = 0; v < s->model->vertex_count; v++) {
+        double x[3], aside[3];
+        pel_vertex_position(s->model->rest, v, x);
+        for (int k = 0; k < 3; k++)
+            aside[k] = x[k] + 0.01 * sin(3 * x[(k + 1) % 3]);
+        for (int k = 0; k < 3; k++) {
+            s->unknowns[3 * v + k] = pel_vec3_dot(turn[k], x);
+            s->points[v][k] = pel_vec3_dot(turn[k], aside);
+        }
+    }
+    pel_newton_result result;
+    int64_t before = pel_newton_work(s->newton);
+    problem.is_prepared = problem.is_in_motion = true;
+    assert_int_equal(pel_newton_run(s->newton, &problem, s->unknowns, &result, NULL), PEL_OK);
+    assert_true(result.converged && pel_newton_is_prepared(s->newton));
+    for (int32_t v = 0; v < s->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            unknowns[3 * v + k] = turn[0][k] * s->unknowns[3 * v] + turn[1][k] * s->unknowns[3 * v + 1] +
+                                  turn[2][k] * s->unknowns[3 * v + 2];
+    return pel_newton_work(s->newton) - before;
+}
+
+/* The prepared factor serves as well where the body has turned: the same steps lead to the same place. */
+static void test_turned(void **unused)
+{
+    (void)unused;
+    const pel_pressure_def none = pel_body_def_default().shell.pressure;
+    sheet s = make_body(make_sphere(6), 1e3, 1, &none);
+    double *first = malloc((size_t)s.count * sizeof *first), *second = malloc((size_t)s.count * sizeof *second);
+    const int64_t work = run_turned(&s, 0, first);
+    for (int i = 1; i <= 3; i++) {
+        assert_true(llabs(run_turned(&s, i, second) - work) <= 1);
+        for (int32_t u = 0; u < 3 * s.model->vertex_count; u++)
+            assert_near(second[u], first[u], 1e-5);
+    }
+    free(first);
+    free(second);
+    free_sheet(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -549,6 +605,7 @@ int main(void)
         cmocka_unit_test(test_deadline),      cmocka_unit_test(test_stop),
         cmocka_unit_test(test_quasi),         cmocka_unit_test(test_rest),
         cmocka_unit_test(test_settled),       cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_turned),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

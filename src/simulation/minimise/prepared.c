@@ -65,7 +65,7 @@ static pel_status make(pel_sim *sim, const pel_newton_problem *now, pel_error *e
     return status;
 }
 
-/* what the matrix depends on, beside positions and fixed unknowns */
+/* what the matrix depends on, beside positions and fixed unknowns; nothing was spent on steps with its factor yet */
 static void take_numbers(pel_sim *sim, const pel_newton_problem *problem)
 {
     const pel_sim_newton *newton = sim->minimise->newton;
@@ -73,6 +73,7 @@ static void take_numbers(pel_sim *sim, const pel_newton_problem *problem)
     if (base->radial != NULL)
         memcpy(base->radial, newton->radial, (size_t)sim->model->vertex_count * sizeof *base->radial);
     base->span = problem->span;
+    base->wear = (pel_newton_wear){0};
     memcpy(base->factors, sim->state->factors, (size_t)sim->model->body_count * sizeof *base->factors);
 }
 
@@ -91,8 +92,10 @@ static bool depends_on_start(const pel_sim *sim)
 void pel_sim_prepared_take(pel_sim *sim, const pel_newton_problem *problem)
 {
     pel_newton_base *base = sim->minimise->newton->base;
-    if (!pel_newton_take_prepared(sim->newton, base->unknowns))
+    if (!pel_newton_take_prepared(sim->newton, base->unknowns)) {
+        base->is_due |= pel_newton_wears(&base->wear, pel_newton_work(sim->newton) - base->begin);
         return;
+    }
     take_numbers(sim, problem);
     base->is_due = depends_on_start(sim);
 }
@@ -111,7 +114,9 @@ pel_status pel_sim_prepared_begin(pel_sim *sim, const pel_newton_problem *proble
         memcpy(base->unknowns, newton->unknowns, unknowns * sizeof *base->unknowns);
     }
     const bool is_there = base->is_made && pel_newton_is_prepared(sim->newton);
-    return is_there ? PEL_OK : make(sim, problem, error);
+    const pel_status status = is_there ? PEL_OK : make(sim, problem, error);
+    base->begin = pel_newton_work(sim->newton);
+    return status;
 }
 
 void pel_sim_prepared_transfer(pel_cursor *at, const pel_sim *sim)
@@ -122,6 +127,7 @@ void pel_sim_prepared_transfer(pel_cursor *at, const pel_sim *sim)
     pel_transfer(at, &base->rate, sizeof base->rate);
     pel_transfer(at, &base->span, sizeof base->span);
     pel_transfer(at, &base->fixed, sizeof base->fixed);
+    pel_transfer(at, &base->wear, sizeof base->wear);
     pel_transfer(at, base->factors, (size_t)sim->model->body_count * sizeof *base->factors);
     pel_transfer(at, base->unknowns, unknowns * sizeof *base->unknowns);
     if (base->radial != NULL)

@@ -7,15 +7,17 @@
 
 /* where the factor was made */
 struct pel_newton_base {
-    bool is_due;      /* in snapshots, like all but the last two: the next step makes another one */
-    double rate;      /* 1/s, of the springs that inertia is */
-    pel_span span;    /* of loads */
-    uint64_t fixed;   /* hash of the fixed unknowns, and of what yielded */
-    double *unknowns; /* (unknown_count) */
+    bool is_due;    /* in snapshots, like all but the last three: the next step makes another one */
+    double rate;    /* 1/s, of the springs that inertia is */
+    pel_span span;  /* of loads */
+    uint64_t fixed; /* hash of the fixed unknowns, and of what yielded */
+    pel_newton_wear wear;
+    double *unknowns;                       /* (unknown_count) */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters */
     double (*radial)[4];                    /* (vertex_count) damping along volumetric springs; null = none */
     bool is_made;                           /* by this simulation, since a snapshot was loaded */
     double *point_stiffness;                /* (vertex_count) N/m, scratch */
+    int64_t begin;                          /* the solver's work when the run began, scratch */
 };
 
 /* PEL_OUT_OF_MEMORY. */

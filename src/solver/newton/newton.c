@@ -202,7 +202,8 @@ static bool make_room(pel_newton *newton)
                           &newton->first,        &newton->left,           &newton->product,
                           &newton->sum,          &newton->before_walked,  &newton->before_gradient,
                           &newton->before_terms, &newton->prepared_at};
-    bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
+    newton->rotations = pel_allocate((size_t)pattern->vertex_count, sizeof *newton->rotations);
+    bool room = newton->rotations != NULL && newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
     return room && pel_pairs_create(&newton->pairs, PAIRS, count, NULL) == PEL_OK;
@@ -250,7 +251,8 @@ void pel_newton_destroy(pel_newton *newton)
                  newton->load, newton->answer, newton->balance, newton->way, newton->begin, newton->part_start,
                  newton->part_walked, newton->best, newton->best_walked, newton->first, newton->left, newton->product,
                  newton->sum, newton->plain, newton->coupled, newton->before_walked, newton->before_gradient,
-                 newton->before_terms, newton->volumes, newton->prepared_at, newton->owned, newton->blocks);
+                 newton->before_terms, newton->volumes, newton->prepared_at, newton->rotations, newton->owned,
+                 newton->blocks);
     pel_pairs_release(&newton->pairs);
     pel_free(newton);
 }

@@ -271,6 +271,15 @@ bool pel_newton_is_prepared(const pel_newton *newton);
 /* Runs prepare another factor where that one does not serve: true once after each, and its unknowns (unknown_count). */
 bool pel_newton_take_prepared(pel_newton *newton, double *unknowns);
 
+/* What runs by the prepared factor have cost, in evaluations. */
+typedef struct pel_newton_wear {
+    int64_t spent, last; /* by all, by the last one */
+    int64_t runs;
+} pel_newton_wear;
+/* After a run of this work. Runs become dearer the farther they are from where the factor was made; their mean with its
+   price is least where the last ones cost as much as it: true where another factor pays. */
+bool pel_newton_wears(pel_newton_wear *wear, int64_t work);
+
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
    terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where
    it has no factor. pel_newton_precondition multiplies a vector (3 vertex_count) by its inverse, with edges free to

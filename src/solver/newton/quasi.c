@@ -18,6 +18,8 @@ enum { MOST_STEPS = 12, FIRST_STEPS = 3 };
    tangent is indefinite. */
 enum { MOST_PREPARED_STEPS = 30, FIRST_PREPARED_STEPS = 6 };
 #define PREPARED_RATE 0.85
+/* of another factor, in evaluations: one, an assembly and the factor */
+enum { FACTOR_PRICE = 8 };
 
 void pel_newton_forget_pairs(pel_newton *newton)
 {
@@ -57,6 +59,7 @@ static void precondition(pel_newton *newton, double *d)
 {
     double *solved = newton->move;
     size_t size = (size_t)newton->pattern->unknown_count;
+    pel_newton_carry_back(newton, d);
     pel_factor_solve(newton->factors[newton->precision], newton->pool, d, solved);
     for (int32_t r = 0; r < newton->volume_count; r++) {
         const double *z = newton->volumes + (size_t)r * size;
@@ -64,6 +67,7 @@ static void precondition(pel_newton *newton, double *d)
         for (size_t u = 0; u < size; u++)
             solved[u] -= share * z[u];
     }
+    pel_newton_carry_on(newton, solved);
     memcpy(d, solved, size * sizeof *d);
 }
 
@@ -100,4 +104,13 @@ void pel_newton_find_quasi_step(newton_run *run)
         d[u] = newton->fixed[u] ? 0 : -d[u];
     double rate = run->is_prepared ? PREPARED_RATE : RATE;
     run->quasi_goal = rate * (run->quasi_steps++ == 0 ? run->result->residual : run->quasi_goal);
+}
+
+bool pel_newton_wears(pel_newton_wear *wear, int64_t work)
+{
+    const int64_t last_two = wear->last + work;
+    wear->spent += work;
+    wear->last = work;
+    wear->runs++;
+    return wear->runs > 1 && last_two * wear->runs > 2 * (FACTOR_PRICE + wear->spent);
 }

@@ -106,6 +106,7 @@ static bool go_prepared_steps(newton_run *run)
     run->kind = PEL_TANGENT_EXACT;
     run->is_prepared = newton->has_factor = true;
     run->quasi_steps = 0;
+    pel_newton_carry(run);
     pel_newton_forget_pairs(newton);
     pel_newton_evaluate(run);
     run->result->first_residual = run->result->residual;
@@ -117,7 +118,7 @@ static bool go_prepared_steps(newton_run *run)
         keep_prepared(newton, run->unknowns);
         is_done = go_settling_steps(run);
     }
-    run->is_prepared = newton->has_factor = false;
+    run->is_prepared = newton->has_factor = newton->is_carried = false;
     return is_done || run->status != PEL_OK;
 }
 
@@ -164,6 +165,7 @@ pel_status pel_newton_prepare(pel_newton *newton, const pel_newton_problem *prob
     pel_newton_fix_unknowns(&run);
     newton->is_prepared = factor_positive(&run, PREPARED_SHIFT) && pel_newton_meet_volumes(&run);
     newton->has_factor = newton->is_new = false;
+    memcpy(newton->prepared_at, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
     return run.status;
 }
 

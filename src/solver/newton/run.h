@@ -42,10 +42,12 @@ struct pel_newton {
     bool is_prepared; /* the factor in float is the one that was prepared */
     bool is_new;      /* and was made in a run */
     bool is_smooth;   /* the last step of the exact matrix went all its way, and no constraint began or ceased to act */
-    double *prepared_at;   /* (unknown_count) */
-    bool is_kept;          /* the last system was solved with an older factor */
-    uint64_t couplings;    /* hash of those in the pattern */
-    int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
+    double *prepared_at;    /* (unknown_count) */
+    double (*rotations)[9]; /* (vertex_count) by rows: of the surroundings of vertices since then (carry.c) */
+    bool is_carried;        /* the factor is carried along with them */
+    bool is_kept;           /* the last system was solved with an older factor */
+    uint64_t couplings;     /* hash of those in the pattern */
+    int32_t (*coupled)[4];  /* (coupled_count) those in the pattern */
     int32_t coupled_count;
     size_t coupled_capacity;
     int32_t (*owned)[4]; /* scratch: couplings with those of rigid bodies (rigid.c) */
@@ -190,6 +192,13 @@ void pel_newton_forget_pairs(pel_newton *newton);
 bool pel_newton_quasi_pays(const newton_run *run);
 /* newton->step from the gradient of the last evaluation, by the factor and the pairs */
 void pel_newton_find_quasi_step(newton_run *run);
+
+/* ---- carry.c ---- */
+/* The prepared factor serves with the rotations from where it was made to the unknowns, until another one is made. */
+void pel_newton_carry(newton_run *run);
+/* A vector (unknown_count) to where the factor was made, and from there. */
+void pel_newton_carry_back(const pel_newton *newton, double *vector);
+void pel_newton_carry_on(const pel_newton *newton, double *vector);
 
 /* ---- kinks.c ---- */
 /* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */

@@ -410,7 +410,7 @@ bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot)
         pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
     run->status = pel_pool_check(newton->pool, run->error);
     newton->has_factor = made.positive_definite;
-    newton->is_prepared = false;
+    newton->is_prepared = newton->is_carried = false;
     newton->work += FACTOR_WORK;
     run->quasi_steps = 0;
     pel_newton_forget_pairs(newton);
