@@ -31,6 +31,22 @@ static void test_unresolved(void **unused)
     }
 }
 
+/* A heavy ball on which nothing acts, in short steps: velocities are differences of rounded positions. */
+static void test_rounding(void **unused)
+{
+    (void)unused;
+    static const char ball[] = "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 5, "
+                               "radius: 100 }\n    volumetric: {}\nduration: 0.2\n";
+    static const char *const steps[] = {"solver.dt=0.005", "solver.dt=0.001", "solver.dt=0.0003"};
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        pel_run_summary summary;
+        run_scene(ball, &steps[i], 1, NULL, 0, &summary);
+        print_message("%s: %.2g J of %.2g\n", steps[i], summary.ledger.energy_error, summary.ledger.tolerance);
+        assert_null(find_warning(&summary, "energy-appears"));
+        assert_true(summary.ledger.tolerance < 1);
+    }
+}
+
 /* A drum, which its rest shape stretches, and a ball that strikes it and goes away: xpbd is of second order
    until it touches and after, and keeps what it swings with. First order takes most of it, which is little of the
    energy of the stretched drum. */
@@ -261,11 +277,17 @@ static void test_unresolved_bounce(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unresolved),       cmocka_unit_test(test_struck_drum),
-        cmocka_unit_test(test_tool_that_stands), cmocka_unit_test(test_work_of_what_jams),
-        cmocka_unit_test(test_thrown_strip),     cmocka_unit_test(test_pressed_in_second_order),
-        cmocka_unit_test(test_touches_nothing),  cmocka_unit_test(test_unresolved_flutter),
-        cmocka_unit_test(test_damped_energy),    cmocka_unit_test(test_unresolved_bounce),
+        cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_struck_drum),
+        cmocka_unit_test(test_tool_that_stands),
+        cmocka_unit_test(test_work_of_what_jams),
+        cmocka_unit_test(test_thrown_strip),
+        cmocka_unit_test(test_pressed_in_second_order),
+        cmocka_unit_test(test_touches_nothing),
+        cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),
+        cmocka_unit_test(test_unresolved_bounce),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

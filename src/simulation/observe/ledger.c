@@ -597,7 +597,9 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
                                            ledger->dissipated_remesh + ledger->dissipated_plastic;
     ledger->dissipated_solver = pel_max(-left, 0);
     ledger->energy_error = pel_max(left, 0);
-    ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding;
+    const double h = sim->step.dt / pel_max(1, sim->solver.substeps);
+    const double of_velocities = h > 0 ? sim->ledger->rounding_moment / (h * h) : 0;
+    ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding + of_velocities;
 }
 
 /* ---- creation ---- */
@@ -615,8 +617,9 @@ static double gas_energy(const pel_model *model)
 }
 
 /* half the largest stiffness times the square of the rounding of positions, the weight times that rounding and the
-   slack of contacts inside the solve, and the same share of the energy of gases */
-static double rounding_of(const pel_sim *sim)
+   slack of contacts inside the solve, and the same share of the energy of gases. *moment [J s2]: half the mass times
+   the square of that rounding */
+static double rounding_of(const pel_sim *sim, double *moment)
 {
     const pel_model *model = sim->model;
     pel_stability stability;
@@ -631,6 +634,7 @@ static double rounding_of(const pel_sim *sim)
     double share = pel_max(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
     double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
+    *moment = 0.5 * mass * shift * shift;
     return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack) +
            share * gas_energy(model);
 }
@@ -659,7 +663,7 @@ void pel_ledger_refill(pel_sim *sim)
     pel_ledger *ledger = sim->ledger;
     ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
     ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
-    ledger->rounding = rounding_of(sim);
+    ledger->rounding = rounding_of(sim, &ledger->rounding_moment);
 }
 
 pel_status pel_ledger_create(pel_sim *sim, pel_error *error)

@@ -36,6 +36,7 @@ typedef struct pel_ledger {
     bool is_unread;                       /* nobody reads it: the energies at the start stay 0 */
     bool has_damping, has_radial_damping; /* any vertex has its own damping, along its volumetric spring */
     double rounding;                      /* J, energy that rounding of positions alone can show */
+    double rounding_moment;               /* J s2; over the square of a substep: that of velocities */
     pel_tool_reading *tools;              /* (tool_count) at the start of the step */
     pel_closing *closings;                /* (tool_count) */
     pel_unsure_work unsure;
