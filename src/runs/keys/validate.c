@@ -757,11 +757,31 @@ static pel_status check_value(pel_scene_reader *reader, const pel_def_row *row, 
     return check_scalar(reader, row, limits, value);
 }
 
+pel_status pel_scene_check_kind(pel_scene_reader *reader, const pel_scene_value *root, const char *wanted)
+{
+    static const struct {
+        const char *kind, *key, *command;
+    } kinds[] = {{"scene", "bodies", "run"}, {"study", "vary", "sweep"}, {"fit", "parameters", "calibrate"}};
+    size_t found = 0, count = sizeof kinds / sizeof *kinds;
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(kinds[i].kind, wanted) == 0 && pel_scene_value_entry(root, kinds[i].key) != NULL)
+            return PEL_OK;
+    while (found < count && pel_scene_value_entry(root, kinds[found].key) == NULL)
+        found++;
+    if (found == count)
+        return PEL_OK;
+    pel_scene_fail(reader, &root->place, "the file is a %s, and a %s is needed here", kinds[found].kind, wanted);
+    pel_fail_remedy(reader->error, "use it with pellicle %s", kinds[found].command);
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root)
 {
     static const pel_def_row scene = {.path = "", .forms = PEL_FORM_MAP, .doc = "the scene"};
     if (root->kind != PEL_SCENE_MAP)
         return fail_form(reader, &scene, root);
+    if (pel_scene_check_kind(reader, root, "scene") != PEL_OK)
+        return PEL_BAD_SCENE;
     /* report the version first */
     pel_scene_value *version = pel_scene_value_entry(root, "version");
     const pel_def_row *row = pel_scene_row_find(reader->table, "", "version");

@@ -10,6 +10,10 @@
    are filled in, keys without value are removed and entries are in the order of the table. */
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
 
+/* Refuses (PEL_BAD_SCENE) a map that is a scene, a study or a fit by its keys, where another one of these is wanted:
+   the remedy names the command for it. */
+pel_status pel_scene_check_kind(pel_scene_reader *reader, const pel_scene_value *root, const char *wanted);
+
 /* Makes a value a number or a vector, as if it had stood in the scene. */
 pel_status pel_scene_value_set_number(pel_scene_reader *reader, pel_scene_value *value, double number);
 pel_status pel_scene_value_set_vector(pel_scene_reader *reader, pel_scene_value *value, const double vector[3]);

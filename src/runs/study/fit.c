@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "io/file.h"
+#include "keys/validate.h"
 #include "keys/yaml.h"
 
 #include <string.h>
@@ -155,7 +156,9 @@ static pel_status check_options(pel_scene_reader *reader, const pel_scene_value 
 static pel_status check_fit(pel_scene_reader *reader, const pel_scene_value *root)
 {
     const pel_scene_value *scene;
-    pel_status status = pel_study_check_keys(reader, root, "a fit", fit_keys, sizeof fit_keys / sizeof *fit_keys);
+    pel_status status = pel_scene_check_kind(reader, root, "fit");
+    if (status == PEL_OK)
+        status = pel_study_check_keys(reader, root, "a fit", fit_keys, sizeof fit_keys / sizeof *fit_keys);
     if (status == PEL_OK)
         status = need_entry(reader, root, "scene", &scene);
     if (status == PEL_OK)

@@ -3,6 +3,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "io/file.h"
+#include "keys/validate.h"
 #include "keys/yaml.h"
 #include "pellicle/scene.h"
 
@@ -166,8 +167,9 @@ static pel_status read_study(pel_scene_reader *reader, const pel_scene_value *ro
 {
     const pel_scene_value *scene, *vary, *keep = NULL;
     int32_t word = 0;
-    pel_status status =
-        pel_study_check_keys(reader, root, "a study", study_keys, sizeof study_keys / sizeof *study_keys);
+    pel_status status = pel_scene_check_kind(reader, root, "study");
+    if (status == PEL_OK)
+        status = pel_study_check_keys(reader, root, "a study", study_keys, sizeof study_keys / sizeof *study_keys);
     if (status == PEL_OK)
         status = need_key(reader, root, "scene", "write scene: FILE.yaml", &scene);
     if (status == PEL_OK)

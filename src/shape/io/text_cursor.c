@@ -155,5 +155,11 @@ pel_status pel_text_cursor_fail_number(const pel_text_cursor *scan, pel_error *e
     if (word[0] == '\0')
         return pel_text_cursor_fail(scan, scan->at, error, "complete the line", "the line ends where %s should be",
                                     wanted);
-    return pel_text_cursor_fail(scan, scan->at, error, "correct the value", "%s is not %s", word, wanted);
+    static const char digits[] = "0123456789";
+    const char *comma = strchr(word, ',');
+    bool is_decimal =
+        comma != NULL && strchr(digits, comma[-1]) != NULL && comma[1] != '\0' && strchr(digits, comma[1]) != NULL;
+    return pel_text_cursor_fail(scan, scan->at, error,
+                                is_decimal ? "write numbers with a point: 0.5" : "correct the value", "%s is not %s",
+                                word, wanted);
 }
