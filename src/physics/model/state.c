@@ -153,7 +153,7 @@ pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_e
 {
     size_t count = (size_t)model->vertex_count;
     return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(state->older_position, count),
-                            PEL_ROOM_ALIGNED(state->older_velocity, count))
+                            PEL_ROOM_ALIGNED(state->older_velocity, count), PEL_ROOM(state->touched, model->body_count))
                ? PEL_OK
                : pel_fail_memory(error);
 }
@@ -176,7 +176,7 @@ void pel_state_destroy(pel_state *state)
     if (state == NULL)
         return;
     PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
-                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending,
-                 state->rigids, state->rigids_before, state->rigids_next, state->plastic.folds, state->plastic.flows,
-                 state->plastic_next.folds, state->plastic_next.flows, state);
+                 state->older_position, state->older_velocity, state->touched, state->contact, state->factors,
+                 state->bending, state->rigids, state->rigids_before, state->rigids_next, state->plastic.folds,
+                 state->plastic.flows, state->plastic_next.folds, state->plastic_next.flows, state);
 }

@@ -22,7 +22,8 @@ struct pel_state {
     pel_record *older_position, *older_velocity; /* (vertex_count) one substep ago; second order methods, else null */
     bool older_is_known;                         /* false after the start, setters and events of refinement */
     int32_t unresolved; /* implicit: steps left until the best scheme is tried again, see step_implicit.c; 0 = none */
-    int32_t collision;  /* implicit, xpbd: steps for which a touch is remembered; 0 = none, or it is past */
+    int32_t collision;  /* implicit: steps for which a touch is remembered; 0 = none, or it is past */
+    uint8_t *touched;   /* (body_count) xpbd: something touched the body in the last step; null without a history */
     uint8_t *contact;   /* (vertex_count) 1 = a tool touches or holds it */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
     pel_bending_control *bending;           /* (body_count) */

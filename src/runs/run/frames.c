@@ -192,7 +192,10 @@ static void begin_interval(const pel_run_frames *frames, pel_run_totals *totals,
 {
     const int32_t tool_count = frames->tool_count;
     const double loss = frames->frame.row.ledger.dissipated_solver;
-    totals->free_loss += touched_nothing(frames, tool_force) ? loss - totals->loss : 0;
+    const bool is_free = touched_nothing(frames, tool_force);
+    totals->free_loss += is_free ? loss - totals->loss : 0;
+    totals->bounce_loss += is_free ? totals->touch_loss : 0;
+    totals->touch_loss = is_free ? 0 : totals->touch_loss + loss - totals->loss;
     totals->loss = loss;
     totals->most_kinetic = pel_max(totals->most_kinetic, frames->frame.row.ledger.kinetic);
     totals->frame_count++;

@@ -36,6 +36,7 @@ typedef struct pel_run_totals {
     pel_contact_statistics contact; /* at the last frame */
     double loss;                    /* J, dissipated_solver at the last frame */
     double free_loss;               /* J, of it in intervals between frames in which nothing touched */
+    double bounce_loss, touch_loss; /* J, of it while something touched that has gone away since, and touches still */
     double most_kinetic;            /* J, in a frame */
     pel_swing swing;                /* of all steps */
 } pel_run_totals;

@@ -60,6 +60,10 @@ enum { FEW_STEPS = 4, QUARTER = 10 };
 #define GOOD_STEPS 40
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000
+/* of the supplied energy, lost in bounces: vertices that stop on what they meet take up to 0.3 of it on coarse meshes;
+   and a share that stands for none */
+#define BOUNCE_SHARE 0.33
+#define TINY_SHARE 1e-3
 /* of the energy lost while nothing touched: a loss that is told beside it */
 #define TOUCH_SHARE 1.2
 
@@ -368,6 +372,18 @@ static double share_of_motion(const pel_sim_ledger *ledger, double loss)
     return pel_min(loss / pel_max(ledger->supplied - held_energy(ledger), DBL_MIN), 1);
 }
 
+/* Where neither friction nor restitution can take energy, the method has taken what is lost in contact too. */
+static bool takes_in_contact(const pel_scene *scene)
+{
+    const pel_contact_def *contact = &scene->sim.contact;
+    bool takes = !(contact->friction > 0) && !(contact->restitution >= 0);
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        takes &= !(scene->model.bodies[b].friction > 0) && !(scene->model.bodies[b].restitution >= 0);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        takes &= !(scene->sim.tools[t].friction > 0) && !(scene->sim.tools[t].restitution >= 0);
+    return takes;
+}
+
 /* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
    followed, not resolved; a limit of a joint stops a body as contact does. */
 static void check_motion(pel_run_state *run, int64_t frame)
@@ -375,9 +391,11 @@ static void check_motion(pel_run_state *run, int64_t frame)
     const pel_scene *scene = run->scene;
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
     const pel_sim_ledger *ledger = &run->ledger;
-    bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
-    for (int32_t b = 0; b < scene->model.body_count; b++)
+    bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper), yields = false;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
+        yields |= !scene->model.bodies[b].rigid.on;
+    }
     for (int32_t i = 0; i < scene->sim.joint_count; i++)
         moves &= isinf(scene->sim.joints[i].least) && isinf(scene->sim.joints[i].most);
     if (!moves || !pel_scene_is_undamped(scene))
@@ -386,10 +404,11 @@ static void check_motion(pel_run_state *run, int64_t frame)
     run->flagged[PEL_WARN_UNRESOLVED] = (pel_flagged_body){0, angle, 0};
     const double tolerance = ledger->tolerance - TOLERATED * STRETCHED_SHARE * held_energy(ledger);
     bool loses = run->totals.free_loss > tolerance;
+    loses |= yields && takes_in_contact(scene) && run->totals.bounce_loss > BOUNCE_SHARE * ledger->supplied;
     loses &= shows_motion(run);
     if (loses || (angle > 0 && is_dt_long(run)))
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame,
-                 loses ? share_of_motion(ledger, run->totals.free_loss) : 0);
+                 loses ? pel_max(share_of_motion(ledger, run->totals.free_loss), TINY_SHARE) : 0);
 }
 
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
@@ -734,18 +753,6 @@ static void tell_unsettled(const pel_warning_text *at)
                  end->value, 100 * end->limit);
 }
 
-/* Where neither friction nor restitution can take energy, the method has taken what is lost in contact too. */
-static bool takes_in_contact(const pel_scene *scene)
-{
-    const pel_contact_def *contact = &scene->sim.contact;
-    bool takes = !(contact->friction > 0) && !(contact->restitution >= 0);
-    for (int32_t b = 0; b < scene->model.body_count; b++)
-        takes &= !(scene->model.bodies[b].friction > 0) && !(scene->model.bodies[b].restitution >= 0);
-    for (int32_t t = 0; t < scene->sim.tool_count; t++)
-        takes &= !(scene->sim.tools[t].friction > 0) && !(scene->sim.tools[t].restitution >= 0);
-    return takes;
-}
-
 /* most of the energy stayed, but not the frequency */
 static void tell_coarse_steps(const pel_warning_text *at, double dt)
 {
@@ -799,11 +806,27 @@ static void write_fine_remedy(const pel_run_state *run, double good_dt, char *te
         snprintf(text, size, "use solver: { dt: %.2g } or less", good_dt);
 }
 
+/* Implicit resolves a vibration that is known; where the stable step of explicit costs less, that does more. */
+static void write_known_remedy(const pel_run_state *run, const pel_fastest_motion *motion, char *text, size_t size)
+{
+    const pel_scene *scene = run->scene;
+    const double dt = explicit_dt(run), implicit = pel_scene_step_cost(scene) / motion->dt;
+    if (dt > 0 && pel_scene_substep_cost(scene) / dt < implicit)
+        snprintf(text, size,
+                 "use solver: { method: explicit, dt: %.2g }, about %.2g s of one core (implicit with dt: "
+                 "%.2g takes %.2g s)",
+                 dt, 1e-3 * pel_scene_substep_cost(scene) * scene->duration / dt, motion->dt,
+                 1e-3 * implicit * scene->duration);
+    else
+        snprintf(text, size, "use %ssolver: { dt: %.2g }: %s",
+                 pel_stepper_of(scene->sim.solver.method)->minimises ? "" : "the method implicit with ", motion->dt,
+                 motion->reason);
+}
+
 /* a step that would do where a vibration or a load is known that is so fast */
 static void tell_unresolved(const pel_warning_text *at)
 {
     const pel_scene *scene = at->run->scene;
-    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
     const double dt = scene->sim.solver.dt, angle = at->run->flagged[PEL_WARN_UNRESOLVED].value;
     pel_motions motions;
     bool is_known = pel_scene_find_motions(scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < 0.25 * dt;
@@ -817,8 +840,7 @@ static void tell_unresolved(const pel_warning_text *at)
     if (takes_in_contact(scene) && whole > TOUCH_SHARE * at->tally->worst)
         snprintf(part, sizeof part, ", %.2g %% while nothing touched", 100 * at->tally->worst);
     if (is_known)
-        snprintf(remedy, sizeof remedy, "use %ssolver: { dt: %.2g }: %s",
-                 stepper->minimises ? "" : "the method implicit with ", good_dt, motions.fastest.reason);
+        write_known_remedy(at->run, &motions.fastest, remedy, sizeof remedy);
     else
         write_fine_remedy(at->run, good_dt, remedy, sizeof remedy);
     snprintf(

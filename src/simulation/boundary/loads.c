@@ -284,6 +284,7 @@ void pel_loads_destroy(pel_sim *sim)
 
 double pel_load_factor(const pel_sim *sim, const pel_load *load, pel_span span)
 {
+    span.extrapolates &= sim->loads->is_plain == NULL || !sim->loads->is_plain[load->body];
     return sim->state->load_factor * pel_curve_mean(load->keys, load->key_count, span, load->from, load->until);
 }
 

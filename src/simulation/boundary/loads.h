@@ -56,6 +56,7 @@ struct pel_loads {
     double tallied_work;     /* J, in the substeps of the step, of loads that are tallied and of forces of the caller */
     double external_work;    /* J, of the latter with the velocities at the end of the last substep times its length */
     pel_pressed *pressed;    /* (body_count) */
+    const uint8_t *is_plain; /* (body_count) set by the method: bodies whose loads never extrapolate; null = none */
     pel_follower *followers; /* (follower_count) null = none */
     int32_t follower_count;
     int32_t fluid_count;   /* bodies that hold a liquid (fluid.c) */

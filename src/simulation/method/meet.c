@@ -159,13 +159,55 @@ void pel_meet_sweep(pel_sim *sim, const pel_meeting *meeting)
             lists[k]->supports = NULL;
 }
 
-bool pel_meet_is_pressed(const pel_sim *sim)
+/* whether any body of a contact is marked, and all */
+static void read_marks(const pel_sim *sim, const pel_contact *contact, const uint8_t *bodies, bool *any, bool *all)
+{
+    *any = false;
+    *all = true;
+    for (int i = 0; i < 4; i++) {
+        if (contact->weights[i] == 0)
+            continue;
+        bool is_marked = bodies[sim->model->body_of_slice[contact->vertices[i] / PEL_WIDTH]];
+        *any |= is_marked;
+        *all &= is_marked;
+    }
+}
+
+static void mark(const pel_sim *sim, const pel_contact *contact, uint8_t *bodies)
+{
+    for (int i = 0; i < 4; i++)
+        if (contact->weights[i] != 0)
+            bodies[sim->model->body_of_slice[contact->vertices[i] / PEL_WIDTH]] = 1;
+}
+
+void pel_meet_mark_pressed(const pel_sim *sim, uint8_t *bodies)
 {
     const pel_contact_list *pairs = loop_contacts(sim);
     for (int32_t i = 0; pairs != NULL && i < pel_contact_list_length(pairs); i++)
         if (pel_contact_list_at(pairs, i)->multiplier > 0)
-            return true;
-    return sim->tools->solids != NULL && pel_solids_carry(sim);
+            mark(sim, pel_contact_list_at(pairs, i), bodies);
+    if (sim->tools->solids != NULL)
+        pel_solids_mark_carried(sim, bodies);
+}
+
+void pel_meet_spread(const pel_sim *sim, uint8_t *bodies)
+{
+    const pel_contact_list *pairs = loop_contacts(sim);
+    const size_t body_count = (size_t)sim->model->body_count;
+    bool spreads = memchr(bodies, 1, body_count) != NULL && memchr(bodies, 0, body_count) != NULL;
+    if (spreads && sim->ties != NULL)
+        memset(bodies, 1, body_count);
+    while (spreads && pairs != NULL) {
+        spreads = false;
+        for (int32_t c = 0; c < pairs->count; c++) {
+            bool any, all;
+            read_marks(sim, &pairs->contacts[c], bodies, &any, &all);
+            if (!any || all)
+                continue;
+            mark(sim, &pairs->contacts[c], bodies);
+            spreads = true;
+        }
+    }
 }
 
 void pel_meet_tally(pel_sim *sim, const pel_meeting *meeting, pel_record *reaction)

@@ -26,8 +26,10 @@ void pel_meet_tally(pel_sim *sim, const pel_meeting *meeting, pel_record *reacti
 /* After the last substep: forces of contacts, and the loads for the next step. */
 void pel_meet_end(pel_sim *sim);
 
-/* contacts carry loads from the substep before */
-bool pel_meet_is_pressed(const pel_sim *sim);
+/* Marks bodies (body_count) of contacts that carry loads from the substep before. */
+void pel_meet_mark_pressed(const pel_sim *sim, uint8_t *bodies);
+/* And those that pairs, or ties between any, connect with marked ones. */
+void pel_meet_spread(const pel_sim *sim, uint8_t *bodies);
 /* contacts of pairs and of solids in the substeps; null = none */
 void pel_meet_lists(const pel_sim *sim, pel_contact_list *lists[2]);
 

@@ -57,10 +57,22 @@ static bool starts_plainly(const pel_sim *sim, int32_t number)
 
 static pel_substep_place place_of(const pel_sim *sim, int32_t number)
 {
-    int place = (number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0);
-    if (sim->solver.second_order && (pel_meet_is_pressed(sim) || starts_plainly(sim, number)))
-        place |= PEL_SUBSTEP_PRESSED;
-    return (pel_substep_place)place;
+    return (pel_substep_place)((number == 0 ? PEL_SUBSTEP_FIRST : 0) |
+                               (number == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0));
+}
+
+/* Bodies that are pressed, or were since the step before began, and those beside them: what trembles against something
+   would else take elastic forces at 4/9 whenever it meets it. */
+static void find_pressed(const pel_sim *sim, int32_t number)
+{
+    const pel_projector *projector = sim->projector;
+    if (!sim->solver.second_order)
+        return;
+    memset(projector->is_pressed, starts_plainly(sim, number), (size_t)sim->model->body_count);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        projector->is_pressed[b] |= projector->touched[b] | sim->state->touched[b];
+    pel_meet_mark_pressed(sim, projector->is_pressed);
+    pel_meet_spread(sim, projector->is_pressed);
 }
 
 static void run_substep(pel_sim *sim, int32_t number)
@@ -69,9 +81,11 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_projector *projector = sim->projector;
     int32_t count = sim->solver.substeps;
     pel_substep_place place = place_of(sim, number);
+    find_pressed(sim, number);
+    pel_project_choose_orders(projector, state, place);
     /* second order: forces belong to the end of a substep */
     double h = projector->substep, end = pel_sim_time(sim) + (number + 1) * h;
-    const pel_span span = {.time = end, .back = h, .extrapolates = pel_project_has_past(projector, state, place)};
+    const pel_span span = {.time = end, .back = h, .extrapolates = projector->has_past};
     if (number > 0) {
         pel_tools_follow_grasps(sim, end - 0.5 * h);
         pel_sleep_follow_held(sim);
@@ -107,6 +121,7 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
     pel_loads_begin_tally(sim, sim->projector->substep);
+    sim->loads->is_plain = sim->projector->is_pressed;
     pel_meet_recall(sim, sim->projector->substep);
     for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
         if (s > 0 && pel_sim_has_loop_contacts(sim))
@@ -127,6 +142,8 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
 static void rest(pel_sim *sim)
 {
     pel_substep_place place = (pel_substep_place)(PEL_SUBSTEP_FIRST | PEL_SUBSTEP_LAST);
+    memset(sim->projector->is_pressed, 0, (size_t)sim->model->body_count);
+    pel_project_choose_orders(sim->projector, sim->state, place);
     pel_tools_place(sim, 1);
     pel_loads_begin_tally(sim, sim->projector->substep);
     sim->projector->is_asleep = sim->asleep;

@@ -68,6 +68,7 @@ void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)
         pel_transfer_vertices(at, state->older_velocity, count, sizeof *state->older_velocity);
         pel_transfer(at, &state->older_is_known, sizeof state->older_is_known);
         pel_transfer(at, &state->collision, sizeof state->collision);
+        pel_transfer(at, state->touched, (size_t)sim->model->body_count);
         pel_transfer(at, &state->unresolved, sizeof state->unresolved);
     }
 }

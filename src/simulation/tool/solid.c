@@ -206,13 +206,12 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
     return status;
 }
 
-bool pel_solids_carry(const pel_sim *sim)
+void pel_solids_mark_carried(const pel_sim *sim, uint8_t *bodies)
 {
     const pel_sim_solids *solids = sim->tools->solids;
-    bool any = false;
     for (int32_t c = 0; c < solids->list.count; c++)
-        any |= solids->list.contacts[c].multiplier > 0 || solids->pairs[c].owed + solids->pairs[c].mean_load > 0;
-    return any;
+        if (solids->list.contacts[c].multiplier > 0 || solids->pairs[c].owed + solids->pairs[c].mean_load > 0)
+            bodies[sim->model->body_of_slice[solids->list.contacts[c].vertices[0] / PEL_WIDTH]] = 1;
 }
 
 void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)

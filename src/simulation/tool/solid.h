@@ -55,8 +55,8 @@ void pel_solids_destroy(pel_sim *sim);
 /* At the start of a step, tools at their wanted poses: lists features that they may touch in it; those of the last step
    keep their loads. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_find(pel_sim *sim, pel_error *error);
-/* whether a contact carries a load from the substep before, or from any of this step */
-bool pel_solids_carry(const pel_sim *sim);
+/* Marks bodies (body_count) of contacts that carry a load from the substep before, or from any of this step. */
+void pel_solids_mark_carried(const pel_sim *sim, uint8_t *bodies);
 /* contacts of a body with a tool carry nothing any more */
 void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool);
 /* Before the first substep of a step, its length [s]: kept loads in the multipliers. */

@@ -37,12 +37,17 @@ static pel_status build(pel_projector *projector, pel_error *error)
     size_t count = (size_t)model->vertex_count;
     projector->base = pel_allocate_aligned(count, sizeof *projector->base);
     projector->restraints = pel_allocate(count, sizeof *projector->restraints);
-    bool made = projector->base != NULL && projector->restraints != NULL;
+    const size_t body_count = (size_t)model->body_count;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(projector->orders, body_count), PEL_ROOM(projector->held_orders, body_count),
+                                 PEL_ROOM(projector->is_pressed, body_count)) &&
+                projector->base != NULL && projector->restraints != NULL;
     if (solver->second_order) {
         projector->touches = pel_allocate((size_t)model->body_count, sizeof *projector->touches);
+        projector->touched = pel_allocate((size_t)model->body_count, sizeof *projector->touched);
         projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
         projector->older_velocity = pel_allocate_aligned(count, sizeof *projector->older_velocity);
-        made &= projector->older_position != NULL && projector->older_velocity != NULL && projector->touches != NULL;
+        made &= projector->older_position != NULL && projector->older_velocity != NULL && projector->touches != NULL &&
+                projector->touched != NULL;
     }
     if (made && solver->method == PEL_METHOD_XPBD && solver->iterations > 1)
         made = make_multipliers(projector->batches) == PEL_OK;
@@ -76,7 +81,8 @@ void pel_projector_destroy(pel_projector *projector)
     if (projector == NULL)
         return;
     PEL_FREE_ALL(projector->base, projector->restraints, projector->older_position, projector->older_velocity,
-                 projector->reaction, projector->is_fixed, projector->touches);
+                 projector->reaction, projector->is_fixed, projector->touches, projector->touched, projector->orders,
+                 projector->held_orders, projector->is_pressed);
     pel_spin_destroy(projector->spin);
     pel_free(projector);
 }
@@ -152,10 +158,9 @@ typedef struct vertex_job {
     const uint8_t *is_held; /* see pel_boundary */
     bool first;             /* substep of the step */
     bool is_moving;         /* velocities are still to be taken from the substep before */
-    bool second_order;      /* there is a past */
-    bool is_start;          /* of second order, see pel_project_is_start */
-    pel_real rate;          /* of velocities by ways, drag included */
-    pel_real drag, share;   /* of all vertices, where none has its own, see pel_restraint */
+    pel_real tau[PEL_ORDER_COUNT];
+    pel_real rate[PEL_ORDER_COUNT]; /* of velocities by ways, drag included */
+    pel_real drag[PEL_ORDER_COUNT]; /* of all vertices, where none has its own, see pel_restraint */
 } vertex_job;
 
 /* y and u of a vertex, see project.h */
@@ -163,20 +168,37 @@ typedef struct launch {
     pel_record base, velocity;
 } launch;
 
-/* tau of a start in substeps: the square root of a half */
-static const double start_share = 0.70710678118654752;
+/* tau in substeps, and ways over velocities; tau of a start is the square root of a half */
+static const double tau_shares[PEL_ORDER_COUNT] = {1, 2.0 / 3, 0.70710678118654752};
+static const double span_shares[PEL_ORDER_COUNT] = {1, 2.0 / 3, 0.5};
+
+static double tau_of(const pel_projector *projector, pel_substep_order order)
+{
+    return order == PEL_ORDER_PAST ? 2 * projector->substep / 3 : tau_shares[order] * projector->substep;
+}
+
+static double span_of(const pel_projector *projector, pel_substep_order order)
+{
+    return order == PEL_ORDER_PAST ? 2 * projector->substep / 3 : span_shares[order] * projector->substep;
+}
+
+static pel_substep_order order_of(const pel_projector *projector, int32_t v)
+{
+    return (pel_substep_order)projector->orders[projector->model->body_of_slice[v / PEL_WIDTH]];
+}
 
 static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x, pel_record speed)
 {
+    const pel_substep_order order = order_of(job->projector, v);
     pel_projector *projector = job->projector;
     const pel_state *state = job->state;
     pel_record x1 = job->first ? state->older_position[v] : projector->older_position[v];
     pel_record v1 = job->first ? state->older_velocity[v] : projector->older_velocity[v];
     projector->older_position[v] = x;
     projector->older_velocity[v] = speed;
-    if (job->is_start)
-        return (launch){x + (pel_real)(0.5 * projector->substep) * speed, (pel_real)start_share * speed};
-    if (!job->second_order)
+    if (order == PEL_ORDER_START)
+        return (launch){x + (pel_real)(0.5 * projector->substep) * speed, (pel_real)tau_shares[order] * speed};
+    if (order == PEL_ORDER_PLAIN)
         return (launch){x, speed};
     const pel_real third = (pel_real)(1.0 / 3);
     return (launch){third * (4 * x - x1), third * (4 * speed - v1)};
@@ -190,9 +212,9 @@ static double massive_drag(const pel_projector *projector)
 }
 
 /* s, times drag the part of the mass that it adds: tau to the last bit where ways over velocities are tau as well */
-static double drag_time(const pel_projector *projector)
+static double drag_time(const pel_projector *projector, pel_substep_order order)
 {
-    return projector->tau * (projector->tau / projector->span);
+    return tau_of(projector, order) * (tau_of(projector, order) / span_of(projector, order));
 }
 
 /* drag or a volumetric spring of its own */
@@ -207,7 +229,8 @@ static pel_restraint restraint_of(const pel_projector *projector, int32_t v, con
 {
     const pel_model *model = projector->model;
     const pel_real w = model->inverse_mass[v];
-    const double tau = projector->tau, time = drag_time(projector);
+    const pel_substep_order order = order_of(projector, v);
+    const double tau = tau_of(projector, order), time = drag_time(projector, order);
     double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w);
     if (projector->air != NULL)
         rate += (double)(projector->air[v][3] * w);
@@ -234,17 +257,17 @@ static pel_record hold_back(const vertex_job *job, int32_t v, pel_record x, cons
 {
     const pel_restraint r = job->projector->restraints[v];
     const pel_record rest = job->projector->model->rest[v];
+    const pel_real tau = job->tau[order_of(job->projector, v)];
     pel_record velocity = from->velocity;
     if (r.along > 0)
         velocity = damp_along(velocity, x - rest, (double)r.along);
-    return r.share *
-           (from->base + (pel_real)job->projector->tau * velocity + push + r.drag * from->base + r.spring * rest);
+    return r.share * (from->base + tau * velocity + push + r.drag * from->base + r.spring * rest);
 }
 
 /* of the substep that ends at x */
-static pel_record velocity_of(const vertex_job *job, int32_t v, pel_record x)
+static pel_record velocity_of(const vertex_job *job, int32_t v, pel_substep_order order, pel_record x)
 {
-    return pel_record_with(job->rate * (x - job->projector->base[v]), 0);
+    return pel_record_with(job->rate[order] * (x - job->projector->base[v]), 0);
 }
 
 /* is_plain: not the first substep, of first order, without restraints and reactions; a constant at each call, so that
@@ -254,10 +277,11 @@ static inline __attribute__((always_inline)) void predict_vertex(const vertex_jo
     pel_projector *projector = job->projector;
     pel_state *state = job->state;
     bool held = job->is_held != NULL && job->is_held[v], first = !is_plain && job->first;
-    pel_real w = held ? 0 : projector->model->inverse_mass[v], tau = (pel_real)projector->tau;
+    const pel_substep_order order = is_plain ? PEL_ORDER_PLAIN : order_of(projector, v);
+    pel_real w = held ? 0 : projector->model->inverse_mass[v], tau = job->tau[order];
     pel_record x = first ? state->position[v] : state->position_next[v], speed;
     if (is_plain || job->is_moving)
-        speed = velocity_of(job, v, x);
+        speed = velocity_of(job, v, order, x);
     else
         speed = first ? state->velocity[v] : state->velocity_next[v];
     launch from = {x, speed};
@@ -273,9 +297,10 @@ static inline __attribute__((always_inline)) void predict_vertex(const vertex_jo
     if (!is_plain && projector->is_held && w > 0) {
         next = hold_back(job, v, x, &from, push);
         w *= projector->restraints[v].share;
-    } else if (!is_plain && job->drag > 0 && w > 0) {
-        next = job->share * (next + job->drag * from.base);
-        w *= job->share;
+    } else if (!is_plain && job->drag[order] > 0 && w > 0) {
+        const pel_real share = 1 / (1 + job->drag[order]);
+        next = share * (next + job->drag[order] * from.base);
+        w *= share;
     }
     state->position_next[v] = pel_record_with(next, w);
     projector->base[v] = from.base;
@@ -330,7 +355,7 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
     for (int32_t v = chunk * VERTEX_CHUNK; v < vertex_chunk_end(job, chunk); v++) {
-        job->state->velocity_next[v] = velocity_of(job, v, job->state->position_next[v]);
+        job->state->velocity_next[v] = velocity_of(job, v, order_of(projector, v), job->state->position_next[v]);
         if (job->is_held == NULL || !job->is_held[v])
             job->state->position_next[v][3] = projector->model->inverse_mass[v];
     }
@@ -371,75 +396,67 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     whole.dt = projector->whole_dt;
     whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
     projector->is_held = projector->air != NULL;
-    projector->held_tau = 0;
-    projector->has_touched = false;
+    projector->are_held_known = false;
+    if (projector->touched != NULL)
+        memset(projector->touched, 0, (size_t)projector->model->body_count);
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_begin(projector->batches, b, &whole, state, time);
 }
 
-static void set_time(pel_projector *projector, const pel_state *state, pel_substep_place place)
-{
-    const double h = projector->substep;
-    const bool is_start = pel_project_is_start(projector, state, place);
-    projector->has_past = pel_project_has_past(projector, state, place);
-    double tau = projector->has_past ? 2 * h / 3 : is_start ? start_share * h : h;
-    double ratio = pel_min(projector->substep / projector->whole_substep, 1);
-    const pel_project_time time = {.tau = tau,
-                                   .share = ratio * ratio,
-                                   .ratio = projector->substep / projector->whole_dt,
-                                   .iterations = projector->solver.iterations,
-                                   .substep = projector->substep,
-                                   .before = pel_project_substep_start(projector)};
-    projector->tau = tau;
-    projector->span = is_start ? 0.5 * h : tau;
-    for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_set_time(&projector->model->bodies[b], &projector->batches->bodies[b], state->factors[b],
-                                  &time);
-}
-
-/* Nothing touches, nor did so since the step before began: what trembles against something would else take elastic
-   forces at 4/9 whenever it meets it. */
-static bool is_apart(const pel_projector *projector, const pel_state *state, pel_substep_place place)
-{
-    return !(place & PEL_SUBSTEP_PRESSED) && !projector->has_touched && state->collision == 0;
-}
-
 /* Where contacts press, the past is forgotten in each substep. To go on in second order would let all forces act at 4/9
    while surfaces touch, and whole while they part: energy would appear. Pairs need one length of time for both sides,
-   so that all bodies go by first order. */
-bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place)
+   so that what touches goes by first order on both. */
+void pel_project_choose_orders(pel_projector *projector, const pel_state *state, pel_substep_place place)
 {
-    bool is_known = !(place & PEL_SUBSTEP_FIRST) || state->older_is_known;
-    return projector->solver.second_order && is_known && is_apart(projector, state, place);
+    const bool is_known = !(place & PEL_SUBSTEP_FIRST) || state->older_is_known;
+    projector->has_past = false;
+    projector->tau = 0;
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        const bool is_plain = !projector->solver.second_order || projector->is_pressed[b];
+        const pel_substep_order order = is_plain ? PEL_ORDER_PLAIN : is_known ? PEL_ORDER_PAST : PEL_ORDER_START;
+        projector->orders[b] = (uint8_t)order;
+        projector->has_past |= order == PEL_ORDER_PAST;
+        projector->tau = pel_max(projector->tau, tau_of(projector, order));
+    }
 }
 
-bool pel_project_is_start(const pel_projector *projector, const pel_state *state, pel_substep_place place)
+static void set_time(pel_projector *projector, const pel_state *state)
 {
-    bool is_first = place & PEL_SUBSTEP_FIRST && !state->older_is_known;
-    return projector->solver.second_order && is_first && is_apart(projector, state, place);
+    double ratio = pel_min(projector->substep / projector->whole_substep, 1);
+    pel_project_time time = {.share = ratio * ratio,
+                             .ratio = projector->substep / projector->whole_dt,
+                             .iterations = projector->solver.iterations,
+                             .substep = projector->substep,
+                             .before = pel_project_substep_start(projector)};
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        time.tau = tau_of(projector, (pel_substep_order)projector->orders[b]);
+        pel_project_body_set_time(&projector->model->bodies[b], &projector->batches->bodies[b], state->factors[b],
+                                  &time);
+    }
 }
 
 static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                            pel_substep_place place)
 {
-    bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
+    bool first = place & PEL_SUBSTEP_FIRST;
     double drag = projector->solver.drag - massive_drag(projector);
-    const pel_real massive = (pel_real)(massive_drag(projector) * drag_time(projector));
-    return (vertex_job){
+    vertex_job job = {
         .projector = projector,
         .state = state,
         .force = force,
         .is_held = boundary->is_held,
         .first = first,
-        .is_moving = !first && !second_order,
-        .second_order = pel_project_has_past(projector, state, place),
-        .is_start = pel_project_is_start(projector, state, place),
-        .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->span),
-        .drag = massive,
-        .share = 1 / (1 + massive),
+        .is_moving = !first && !projector->solver.second_order,
     };
+    for (int i = 0; i < PEL_ORDER_COUNT; i++) {
+        const pel_substep_order order = (pel_substep_order)i;
+        job.tau[order] = (pel_real)tau_of(projector, order);
+        job.rate[order] = (pel_real)(pel_exp(-drag * projector->substep) / span_of(projector, order));
+        job.drag[order] = (pel_real)(massive_drag(projector) * drag_time(projector, order));
+    }
+    return job;
 }
 
 static void run_over_vertices(pel_projector *projector, pel_chunk_function *function, vertex_job *job)
@@ -455,13 +472,16 @@ const pel_record *pel_project_substep_start(const pel_projector *projector)
 void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                          pel_substep_place place)
 {
-    set_time(projector, state, place);
+    set_time(projector, state);
     if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
         memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
     vertex_job job = make_job(projector, state, force, boundary, place);
-    if (projector->is_held && projector->held_tau != projector->tau)
+    const size_t body_count = (size_t)projector->model->body_count;
+    bool is_known = projector->are_held_known && memcmp(projector->orders, projector->held_orders, body_count) == 0;
+    if (projector->is_held && !is_known)
         run_over_vertices(projector, restraint_chunk, &job);
-    projector->held_tau = projector->tau;
+    projector->are_held_known = true;
+    memcpy(projector->held_orders, projector->orders, body_count);
     run_over_vertices(projector, predict_chunk, &job);
     for (int32_t i = 0; i < boundary->held_count; i++) {
         const double *x = boundary->target[i];
@@ -502,7 +522,7 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
     for (int32_t b = 0; b < body_count; b++)
         if (projector->touches[b]) {
             forget_past(projector, state, b);
-            projector->has_touched = true;
+            projector->touched[b] = 1;
         }
 }
 
@@ -583,7 +603,7 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     state->older_position = projector->older_position;
     state->older_velocity = projector->older_velocity;
     state->older_is_known = true;
-    state->collision = projector->has_touched;
+    memcpy(state->touched, projector->touched, (size_t)projector->model->body_count);
     projector->older_position = position;
     projector->older_velocity = velocity;
     /* what touched anything has no smooth past, see forget_past */

@@ -9,9 +9,9 @@
 
    The first one of second order, which has no past, is the trapezoidal rule for positions and the implicit one for
    velocities: y = x + h v / 2, tau = h / sqrt(2), u = v / sqrt(2), and v = (x - y) / (h / 2) after the sweeps, so that
-   a fall under any constant force is exact from the first substep on. Where a contact acts the past is made anew from
-   the velocity that it leaves, and a substep is of first order. (Velocities from three positions and x* = x + h v, as
-   often done, are not consistent: a free fall gets twice its acceleration.)
+   a fall under any constant force is exact from the first substep on. Where a contact acts the past of its bodies is
+   made anew from the velocity that it leaves, and their substeps are of first order. (Velocities from three positions
+   and x* = x + h v, as often done, are not consistent: a free fall gets twice its acceleration.)
 
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
    that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them. So is the drag
@@ -38,22 +38,26 @@ typedef struct pel_restraint {
     pel_real along; /* share of the velocity along the spring that its damping takes */
 } pel_restraint;
 
+/* of a body in a substep: first order, second order, and the first of second order; see above */
+typedef enum pel_substep_order { PEL_ORDER_PLAIN, PEL_ORDER_PAST, PEL_ORDER_START, PEL_ORDER_COUNT } pel_substep_order;
+
 typedef struct pel_projector {
     const pel_model *model;
     pel_batches *batches; /* not owned */
     pel_solver_def solver;
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
     bool is_held;                                /* a vertex has drag or a volumetric spring */
-    bool has_past;                               /* the present substep is of second order */
-    bool has_touched;                            /* second order: in the present step something touched */
-    double substep, tau, span;                   /* s; of the present substep: tau, and ways over velocities */
+    bool has_past;                               /* any body is of second order in the present substep */
+    double substep, tau;                         /* s; of the present substep: the longest tau of a body */
     double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_spin *spin;                              /* of xpbd */
     pel_restraint *restraints;                   /* (vertex_count) where is_held */
-    double held_tau;                             /* s, of the restraints; 0 = none are known */
+    bool are_held_known;                         /* the restraints are those of held_orders */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
-    uint8_t *touches;                            /* (body_count) second order: scratch */
+    uint8_t *orders, *held_orders;               /* (body_count) pel_substep_order: of the substep, of restraints */
+    uint8_t *is_pressed;                         /* (body_count) set by the owner: of first order in the substep */
+    uint8_t *touches, *touched;                  /* (body_count) second order: in the substep, and in the step so far */
     pel_record *reaction;                        /* (vertex_count) see pel_projector_record_reactions; null = none */
     uint8_t *is_fixed;                           /* (vertex_count) pinned or held; null without reactions */
     const pel_record *air;                       /* (vertex_count) set by the owner: drag [N s/m] as fourth number */
@@ -85,15 +89,15 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held);
 /* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
 
-/* where a substep stands in its step, one may be both; and whether contacts carried loads in the one before, so that it
-   is of first order, or may do so in the first of all */
+/* where a substep stands in its step; one may be both */
 typedef enum pel_substep_place {
     PEL_SUBSTEP_BETWEEN = 0,
     PEL_SUBSTEP_FIRST = 1,
-    PEL_SUBSTEP_LAST = 2,
-    PEL_SUBSTEP_PRESSED = 4
+    PEL_SUBSTEP_LAST = 2
 } pel_substep_place;
 
+/* Before the forces of a substep: the order of each body, plain where is_pressed. */
+void pel_project_choose_orders(pel_projector *projector, const pel_state *state, pel_substep_place place);
 /* One substep from state->position and velocity (first) or from the end of the one before, in three parts: predict
    writes position_next, sweeps move it, finish measures velocities (velocity_next, valid after the last substep).
    force (vertex_count): at the start of the substep; left as 0. */
@@ -106,12 +110,6 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
                         int list_count, const pel_boundary *boundary, pel_substep_place place);
 /* Positions at the start of the present substep (vertex_count). */
 const pel_record *pel_project_substep_start(const pel_projector *projector);
-/* The substep takes the positions and velocities before its start into account: second order. */
-bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place);
-
-/* It is the first of second order. */
-bool pel_project_is_start(const pel_projector *projector, const pel_state *state, pel_substep_place place);
-
 /* Restarts the history of a body at the present state. */
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body);
 
