@@ -252,6 +252,10 @@ static void evaluate_elements(const pel_tangent_loop *loop, const pel_tangent_pa
 {
     const bool are_triangles = part->kind == PEL_TANGENT_PART_TRIANGLES;
     const size_t n = (size_t)part->unknowns;
+    if (part->kind == PEL_TANGENT_PART_TETRAHEDRA && matrices == NULL) {
+        pel_tangent_tetrahedra(loop, part, elements, count, gradients, energy);
+        return;
+    }
     if (are_triangles)
         pel_tangent_triangles(loop, part, elements, count, gradients, matrices, energy);
     else if (gradients != NULL)

@@ -143,4 +143,8 @@ void pel_tangent_find_angles(pel_tangent *tangent, const double *unknowns, pel_p
 void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t *triangles,
                            int32_t count, double *gradients, double *matrices, pel_tangent_energy *energy);
 
+/* Sets gradients (count x 12; nullable) of some linear tetrahedra of a part, and adds to the energy. */
+void pel_tangent_tetrahedra(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t *tetrahedra,
+                            int32_t count, double *gradients, pel_tangent_energy *energy);
+
 #endif

@@ -8,6 +8,8 @@
 #include "base/lane.h"
 #include "force/tangent_body.h"
 
+#include <string.h>
+
 enum { PEL_TANGENT_LANES = (int)(sizeof(pel_lane) / sizeof(double)) };
 
 /* number k of each of some arrays */
@@ -33,6 +35,28 @@ static inline pel_lane3 pel_tangent_corner(const double *unknowns, const int32_t
 static inline double pel_tangent_lane(const pel_lane *lanes, int l)
 {
     return ((const double *)lanes)[l];
+}
+
+/* numbers in lanes as rows of `width`, from the first lane on */
+static inline void pel_tangent_scatter(const pel_lane *from, int width, int lanes, double *rows, size_t stride)
+{
+#ifdef PEL_LANE_SCALAR
+    (void)lanes;
+    (void)stride;
+    memcpy(rows, from, (size_t)width * sizeof *rows);
+#else
+    int k = 0;
+    for (; k + PEL_TANGENT_LANES <= width; k += PEL_TANGENT_LANES) {
+        pel_wide a = from[k], b = from[k + 1], c = from[k + 2], d = from[k + 3];
+        pel_wide_transpose(&a, &b, &c, &d);
+        const pel_wide columns[PEL_TANGENT_LANES] = {a, b, c, d};
+        for (int l = 0; l < lanes; l++)
+            memcpy(rows + (size_t)l * stride + k, &columns[l], sizeof columns[l]);
+    }
+    for (; k < width; k++)
+        for (int l = 0; l < lanes; l++)
+            rows[(size_t)l * stride + (size_t)k] = from[k][l];
+#endif
 }
 
 #endif

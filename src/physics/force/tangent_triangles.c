@@ -25,28 +25,6 @@ typedef struct triangle_sums {
     pel_lane hessian[PEL_TANGENT_UNKNOWNS * PEL_TANGENT_UNKNOWNS];
 } triangle_sums;
 
-/* numbers in lanes as rows of `width`, from the first lane on */
-static void scatter(const pel_lane *from, int width, int lanes, double *rows, size_t stride)
-{
-#ifdef PEL_LANE_SCALAR
-    (void)lanes;
-    (void)stride;
-    memcpy(rows, from, (size_t)width * sizeof *rows);
-#else
-    int k = 0;
-    for (; k + LANES <= width; k += LANES) {
-        pel_wide a = from[k], b = from[k + 1], c = from[k + 2], d = from[k + 3];
-        pel_wide_transpose(&a, &b, &c, &d);
-        const pel_wide columns[LANES] = {a, b, c, d};
-        for (int l = 0; l < lanes; l++)
-            memcpy(rows + (size_t)l * stride + k, &columns[l], sizeof columns[l]);
-    }
-    for (; k < width; k++)
-        for (int l = 0; l < lanes; l++)
-            rows[(size_t)l * stride + (size_t)k] = from[k][l];
-#endif
-}
-
 static void load_corners(const double *unknowns, const int32_t *const nodes[LANES], pel_lane3 x[3])
 {
     for (int k = 0; k < 3; k++)
@@ -250,10 +228,10 @@ void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part 
         else
             evaluate(&in, is_sheet, is_plate, false, false, false, false, &out);
         for (int row = 0; matrices != NULL && row < n; row++)
-            scatter(&out.hessian[row * PEL_TANGENT_UNKNOWNS], n, lanes, matrices + (first * n + row) * n,
-                    (size_t)(n * n));
+            pel_tangent_scatter(&out.hessian[row * PEL_TANGENT_UNKNOWNS], n, lanes, matrices + (first * n + row) * n,
+                                (size_t)(n * n));
         if (gradients != NULL)
-            scatter(out.gradient, n, lanes, gradients + first * n, (size_t)n);
+            pel_tangent_scatter(out.gradient, n, lanes, gradients + first * n, (size_t)n);
         for (int l = 0; l < lanes; l++) {
             energy->membrane += is_sheet ? pel_tangent_lane(&out.membrane, l) : 0;
             energy->edges += is_plate ? pel_tangent_lane(&out.edges, l) : 0;
