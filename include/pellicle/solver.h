@@ -79,8 +79,8 @@ typedef struct pel_solver_def {
     int32_t substeps; /* pbd, xpbd: substeps of a step. 0 = 1 for pbd; for xpbd the number that keeps stretch within 1 %
                          of the material's, updated during the run (pel_sim_softness) */
     int32_t max_substeps;    /* xpbd: maximum of automatic substeps; 0 = 200 */
-    pel_choice second_order; /* xpbd: second order in time (BDF2) while nothing touches. PEL_AUTO: without gas and
-                                target volumes */
+    pel_choice second_order; /* xpbd: second order in time (BDF2) of bodies that nothing touches. PEL_AUTO: but for
+                                those with a gas or a target volume */
     double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; modes ignore tools and contact */

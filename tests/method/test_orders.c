@@ -116,8 +116,33 @@ static void test_approach(void **unused)
     scene_end(&scene, sim);
 }
 
+/* a gas makes its own body of first order, unless the scene asks for second */
+static void test_gas(void **unused)
+{
+    (void)unused;
+    static const pel_choice choices[] = {PEL_AUTO, PEL_YES, PEL_NO};
+    static const pel_substep_order orders[][2] = {
+        {PEL_ORDER_PAST, PEL_ORDER_PLAIN}, {PEL_ORDER_PAST, PEL_ORDER_PAST}, {PEL_ORDER_PLAIN, PEL_ORDER_PLAIN}};
+    for (int i = 0; i < 3; i++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene.def.contact.enabled = false;
+        scene.def.solver.second_order = choices[i];
+        scene_body(&scene, make_moved_sphere(3, 0, 0, 4));
+        scene_body(&scene, make_moved_sphere(3, 5, 0, 4));
+        scene.bodies[1].shell.pressure.kind = PEL_PRESSURE_GAS;
+        scene.bodies[1].shell.pressure.value = 100;
+        pel_sim *sim = scene_create(&scene);
+        run_steps(sim, 3);
+        for (int b = 0; b < 2; b++)
+            assert_int_equal(sim->projector->orders[b], orders[i][b]);
+        scene_end(&scene, sim);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_beside), cmocka_unit_test(test_approach)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_beside), cmocka_unit_test(test_approach),
+                                       cmocka_unit_test(test_gas)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -300,6 +300,46 @@ static void test_silent_bounce(void **unused)
     }
 }
 
+/* a rigid box rises from a trampoline to 0.24 m above its lowest place; steps of explicit to 0.26 m, whatever they are
+ */
+static void test_trampoline(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene("version: 1\nbodies:\n  - name: bed\n    mesh: { shape: grid, size_x: 1, size_y: 1, nx: 12, ny: 12 }\n"
+              "    membrane: { young: 1.0e6, poisson: 0.3, thickness: 0.002 }\n    pinned: boundary\n  - name: box\n"
+              "    mesh: { shape: box, size_x: 0.2, size_y: 0.2, size_z: 0.1, translate: [0, 0, 0.26] }\n"
+              "    rigid: { mass: 2 }\ncontact: {}\ngravity: [0, 0, -9.81]\nsolver: { method: xpbd }\nduration: 0.6\n"
+              "output: { every: 0.01 }\n",
+              NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+    assert_non_null(warning);
+    print_message("%s\n", warning->text);
+    assert_non_null(strstr(warning->text, "explicit, dt: "));
+}
+
+/* A bag that holds its volume swings: first order takes its motion. A volume that is driven is followed instead. */
+static void test_swinging_bag(void **unused)
+{
+    (void)unused;
+    const char *const bag =
+        "version: 1\nbodies:\n  - name: bag\n"
+        "    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"
+        "    membrane: { young: 1.0e6, poisson: 0.45, thickness: 0.002 }\n"
+        "    pressure: { volume: { target: 1, bulk: 1.0e5 } }\n    pinned: { nearest: [0, 0, 0.1] }\n"
+        "    velocity: [0.3, 0, 0]\ngravity: [0, 0, -9.81]\nsolver: { method: xpbd }\nduration: 2\n"
+        "output: { every: 0.01 }\n";
+    const char *const driven = "bodies.bag.pressure.volume.target=1.1";
+    pel_run_summary summary;
+    run_scene(bag, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+    assert_non_null(warning);
+    print_message("%s\n", warning->text);
+    assert_non_null(strstr(warning->text, "explicit, dt: "));
+    run_scene(bag, &driven, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unresolved-motion"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -315,6 +355,8 @@ int main(void)
         cmocka_unit_test(test_damped_energy),
         cmocka_unit_test(test_unresolved_bounce),
         cmocka_unit_test(test_silent_bounce),
+        cmocka_unit_test(test_trampoline),
+        cmocka_unit_test(test_swinging_bag),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -885,8 +885,8 @@ static const pel_def_row rows[] = {
             "implicit"},
     {"solver.second_order", SOLVER(second_order), BOOLEAN_OR("auto"), .preset = "auto", AUTO(PEL_AUTO), WHEN(is_xpbd),
      STRUCTURE("the two remember different states"),
-     .doc = "xpbd: second order in time (BDF2) in steps in which nothing touches, nor did in the step before. auto: on "
-            "without gas and target volumes"},
+     .doc = "xpbd: second order in time (BDF2) for bodies that nothing touches, nor did in the step before. auto: on "
+            "but for those with a gas or a target volume"},
     {"solver.drag", SOLVER(drag), NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0", WHEN(has_drag),
      .doc = "explicit, pbd, xpbd, implicit: drag of all bodies; velocities decrease as exp(-drag t)"},
     {"solver.descent", SOLVER(gradient_only), WORD("lbfgs", "gradient"), .preset = "lbfgs", WHEN(is_descent),

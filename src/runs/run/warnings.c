@@ -60,8 +60,7 @@ enum { FEW_STEPS = 4, QUARTER = 10 };
 #define GOOD_STEPS 40
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000
-/* of the supplied energy, lost in bounces: vertices that stop on what they meet take up to 0.3 of it on coarse meshes;
-   and a share that stands for none */
+/* of the largest kinetic energy, lost in bounces, of which impacts take up to 0.3; a share that means none */
 #define BOUNCE_SHARE 0.33
 #define TINY_SHARE 1e-3
 /* of the energy lost while nothing touched: a loss that is told beside it */
@@ -348,14 +347,13 @@ static bool shows_motion(const pel_run_state *run)
     pel_motions motions;
     if (pel_sim_step_count(run->sim) >= FEW_STEPS)
         return true;
-    bool is_known = pel_scene_find_motions(run->scene, HUGE_VAL, 0, &motions) == PEL_OK;
-    return is_known && pel_sim_time(run->sim) > QUARTER * motions.fastest.dt;
+    return pel_scene_find_motions(run->scene, HUGE_VAL, 0, &motions) == PEL_OK &&
+           pel_sim_time(run->sim) > QUARTER * motions.fastest.dt;
 }
 
 /* and not that of a scene which leaves it to the program */
-static bool is_dt_long(const pel_run_state *run)
+static bool is_dt_long(const pel_run_state *run, double dt)
 {
-    const double dt = run->scene->sim.solver.dt;
     pel_motions motions;
     return pel_scene_find_motions(run->scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < LONG_SHARE * dt;
 }
@@ -393,7 +391,8 @@ static void check_motion(pel_run_state *run, int64_t frame)
     const pel_sim_ledger *ledger = &run->ledger;
     bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper), yields = false;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
-        moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
+        const pel_pressure_def *p = &scene->model.bodies[b].shell.pressure;
+        moves &= p->kind != PEL_PRESSURE_VOLUME || (p->target.key_count == 0 && p->target.value == 1);
         yields |= !scene->model.bodies[b].rigid.on;
     }
     for (int32_t i = 0; i < scene->sim.joint_count; i++)
@@ -403,10 +402,10 @@ static void check_motion(pel_run_state *run, int64_t frame)
     const double angle = pel_swing_angle(run);
     run->flagged[PEL_WARN_UNRESOLVED] = (pel_flagged_body){0, angle, 0};
     const double tolerance = ledger->tolerance - TOLERATED * STRETCHED_SHARE * held_energy(ledger);
-    bool loses = run->totals.free_loss > tolerance;
-    loses |= yields && takes_in_contact(scene) && run->totals.bounce_loss > BOUNCE_SHARE * ledger->supplied;
-    loses &= shows_motion(run);
-    if (loses || (angle > 0 && is_dt_long(run)))
+    const double bounced = yields && takes_in_contact(scene) ? run->totals.bounce_loss : 0;
+    const bool loses =
+        (run->totals.free_loss > tolerance || bounced > BOUNCE_SHARE * run->totals.most_kinetic) && shows_motion(run);
+    if (loses || (angle > 0 && is_dt_long(run, scene->sim.solver.dt)))
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame,
                  loses ? pel_max(share_of_motion(ledger, run->totals.free_loss), TINY_SHARE) : 0);
 }

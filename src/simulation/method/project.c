@@ -69,8 +69,10 @@ static void find_pressed(const pel_sim *sim, int32_t number)
     if (!sim->solver.second_order)
         return;
     memset(projector->is_pressed, starts_plainly(sim, number), (size_t)sim->model->body_count);
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        projector->is_pressed[b] |= projector->touched[b] | sim->state->touched[b];
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const bool is_stiff = sim->substeps->keeps_stiff_plain && pel_has_stiff_pressure(&sim->model->bodies[b]);
+        projector->is_pressed[b] |= projector->touched[b] | sim->state->touched[b] | (uint8_t)is_stiff;
+    }
     pel_meet_mark_pressed(sim, projector->is_pressed);
     pel_meet_spread(sim, projector->is_pressed);
 }

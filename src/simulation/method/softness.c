@@ -32,14 +32,18 @@ enum {
     PBD_ITERATIONS = 5
 };
 
-static bool has_stiff_pressure(const pel_model *model)
+bool pel_has_stiff_pressure(const pel_body *body)
 {
-    for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_shell *shell = model->bodies[b].shell;
-        if (shell != NULL && (shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME))
-            return true;
-    }
-    return false;
+    const pel_shell *shell = body->shell;
+    return shell != NULL && (shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME);
+}
+
+static int32_t count_stiff_pressures(const pel_model *model)
+{
+    int32_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        count += pel_has_stiff_pressure(&model->bodies[b]);
+    return count;
 }
 
 static bool has_rigid(const pel_model *model)
@@ -69,7 +73,9 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
     sim->substeps->least = touches ? LEAST_TOUCHING : LEAST_FREE;
     /* a force held over a substep that stiffens the body feeds oscillations of second order; rigid bodies take the way
        of a substep for their velocity, which is not what attachments act over there */
-    bool is_plain = has_stiff_pressure(def->model) || (def->tie_count > 0 && has_rigid(def->model));
+    const int32_t stiff_count = count_stiff_pressures(def->model);
+    bool is_plain = stiff_count == def->model->body_count || (def->tie_count > 0 && has_rigid(def->model));
+    sim->substeps->keeps_stiff_plain = stiff_count > 0 && solver->second_order == PEL_AUTO;
     if (solver->second_order == PEL_AUTO)
         solver->second_order = compliant && !is_plain ? PEL_YES : PEL_NO;
 }
@@ -87,10 +93,10 @@ static double retardation_of(const pel_sim *sim)
     return longest;
 }
 
-/* second order throughout: what touches goes by first order */
+/* second order throughout: what touches, or encloses a gas, goes by first order */
 static bool is_free(const pel_sim *sim)
 {
-    return sim->solver.second_order && sim->substeps->least == LEAST_FREE;
+    return sim->solver.second_order && sim->substeps->least == LEAST_FREE && !sim->substeps->keeps_stiff_plain;
 }
 
 /* tau of a substep */

@@ -20,11 +20,14 @@ typedef struct pel_substeps_now {
 
 struct pel_substeps {
     bool is_automatic;
-    int32_t least; /* of automatic ones */
+    int32_t least;          /* of automatic ones */
+    bool keeps_stiff_plain; /* second order is automatic: bodies with a stiff pressure are of first order */
     pel_softness_scratch scratch;
     pel_substeps_now now;
 };
 
+/* an enclosed gas, or a target volume */
+bool pel_has_stiff_pressure(const pel_body *body);
 /* Fills automatic values of the def: iterations, the limit of substeps, second order. */
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def);
 /* How many the state at the start needs, on the finest level that it has everywhere. PEL_OUT_OF_MEMORY. */
