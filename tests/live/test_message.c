@@ -146,9 +146,41 @@ static void test_stiffnesses(void **unused)
     assert_near(proposed(shell), 60, 1e-9);
 }
 
+/* the page draws a tool that is a mesh from its corners, and the scene with its axis upwards */
+static void test_mesh_and_axis(void **unused)
+{
+    (void)unused;
+    static const char *const axes[] = {"x", "y", "z"};
+    char text[500], wanted[100];
+    for (int k = 0; k < 3; k++) {
+        snprintf(text, sizeof text,
+                 "version: 1\nup: %s\nbodies:\n  - { name: a, mesh: { shape: grid }, membrane: { preset: rubber } }\n"
+                 "tools:\n  - { name: t, mesh: { shape: geodesic-sphere, frequency: 1 }, motion: [{ position: [0, 0, "
+                 "9] }] }\n"
+                 "duration: 1\n",
+                 axes[k]);
+        char *head = hello_of(text);
+        snprintf(wanted, sizeof wanted, "\"up\":\"%s\"", axes[k]);
+        assert_non_null(strstr(head, wanted));
+        const char *at = strstr(head, "\"triangles\":[");
+        assert_non_null(at);
+        int32_t uses[12] = {0}, count = 0;
+        for (at = strchr(at, '[') + 1; *at != ']'; count++, at += strspn(at, ", ")) {
+            long corner = strtol(at, (char **)&at, 10);
+            assert_true(corner >= 0 && corner < 12);
+            uses[corner]++;
+        }
+        /* an icosahedron */
+        assert_int_equal(count, 60);
+        for (int v = 0; v < 12; v++)
+            assert_int_equal(uses[v], 5);
+        free(head);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_edges), cmocka_unit_test(test_moduli),
-                                       cmocka_unit_test(test_stiffnesses)};
+                                       cmocka_unit_test(test_stiffnesses), cmocka_unit_test(test_mesh_and_axis)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

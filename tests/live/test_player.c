@@ -121,6 +121,21 @@ static const char pushed[] =
     "loads: [{ name: finger, body: ball, at: { nearest: [0, 0, 1] }, force: [0, 0, -1], until: 5 }]\n"
     "solver: { method: pbd, dt: 60, substeps: 2 }\nduration: 600\n";
 
+/* a field is shown or none is; others are told */
+static void test_fields(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start(&f);
+    uint32_t told = f.box.posts[PEL_POST_NOTICE].revision;
+    say(&f, "field displacement");
+    say(&f, "field none");
+    assert_int_equal(f.box.posts[PEL_POST_NOTICE].revision, told);
+    say(&f, "field displacemend");
+    assert_true(holds(&f, PEL_POST_NOTICE, "there is no field 'displacemend'"));
+    stop(&f);
+}
+
 /* what is refused is told by the names of the scene and without its file; curves are not offered for change */
 static void test_refusals(void **unused)
 {
@@ -450,6 +465,7 @@ int main(void)
                                        cmocka_unit_test(test_length_of_vectors),
                                        cmocka_unit_test(test_answer),
                                        cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_fields),
                                        cmocka_unit_test(test_not_opened),
                                        cmocka_unit_test(test_opened),
                                        cmocka_unit_test(test_slow),

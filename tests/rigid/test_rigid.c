@@ -137,6 +137,48 @@ static void test_hinge_inertia(void **state)
     assert_near(velocity[0], -0.2 * left, 1e-12);
 }
 
+/* a cube, whose tensor is the same about all axes but for rounding, has exactly that; a bar keeps its own */
+static void test_roundness(void **state)
+{
+    (void)state;
+    static const double cube[3] = {0.3, 0.3, 0.3}, bar[3] = {0.3, 0.3, 0.31};
+    pel_rigid_shape shape = shape_of(cube, NULL, 0);
+    double inertia = 1000 * 0.027 * 0.3 * 0.3 / 6;
+    assert_near(shape.roundness * inertia, 1, 1e-12);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            assert_near(shape.inertia[a][b], a == b ? inertia : 0, 1e-12);
+            assert_true(a == b || shape.inertia[a][b] == 0);
+        }
+    shape = shape_of(bar, NULL, 0);
+    assert_true(shape.roundness == 0);
+    assert_near(shape.inertia[2][2], 1000 * 0.3 * 0.3 * 0.31 * 0.3 * 0.3 / 6, 1e-12);
+}
+
+/* the angle of a path to and fro is that of all its parts */
+static void test_turned(void **state)
+{
+    (void)state;
+    static const double size[3] = {1, 2, 3}, angles[4] = {0.1, 0.5, 0.2, 0.4};
+    pel_rigid_shape shape = shape_of(size, NULL, 0);
+    pel_rigid_state path[3];
+    pel_rigid rigid = body_of(&shape, none, none);
+    rigid.path = path;
+    rigid.before = rigid.state;
+    for (int32_t count = 0; count <= 3; count++) {
+        double sum = 0;
+        rigid.path_count = count;
+        for (int32_t i = 0; i <= count; i++) {
+            pel_rigid_state *to = i < count ? &path[i] : &rigid.state;
+            *to = rigid.before;
+            pel_vec3_set(to->rotation, 0, 0, sin(angles[i] / 2));
+            to->rotation[3] = cos(angles[i] / 2);
+            sum += fabs(angles[i] - (i > 0 ? angles[i - 1] : 0));
+        }
+        assert_near(pel_rigid_turned(&rigid), sum, 1e-12);
+    }
+}
+
 /* vertices of a turned body, and a body of turned vertices */
 static void test_fit(void **state)
 {
@@ -185,8 +227,9 @@ static void test_fit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tumbling), cmocka_unit_test(test_precession),    cmocka_unit_test(test_push),
-        cmocka_unit_test(test_pins),     cmocka_unit_test(test_hinge_inertia), cmocka_unit_test(test_fit),
+        cmocka_unit_test(test_tumbling),  cmocka_unit_test(test_precession),    cmocka_unit_test(test_push),
+        cmocka_unit_test(test_pins),      cmocka_unit_test(test_hinge_inertia), cmocka_unit_test(test_fit),
+        cmocka_unit_test(test_roundness), cmocka_unit_test(test_turned),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

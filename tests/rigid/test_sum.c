@@ -66,6 +66,41 @@ static void test_momenta(void **state)
 }
 
 /* impulses change velocities alone */
+/* Two free bodies feel a push in the middle between their points; a free one that is pushed off a body that something
+   carries, at its own point. */
+static void test_arms(void **state)
+{
+    (void)state;
+    static const int32_t vertices[4] = {6, 8, 9, 10};
+    static const double weights[4] = {1, -0.2, -0.5, -0.3};
+    for (int carried = -1; carried < 2; carried++) {
+        pair p;
+        pel_rigid_sum sum;
+        double momentum[2][3], arm[3], own[3], far[3] = {0};
+        make_pair(&p);
+        drift_pair(&p, momentum);
+        if (carried >= 0)
+            p.items[carried].is_fixed = true;
+        p.items[0].is_moved = p.items[1].is_moved = true;
+        pel_rigids_place(&p.rigids, p.places);
+        pel_vertex_position(p.places, 6, own);
+        for (int i = 1; i < 4; i++) {
+            pel_vertex_position(p.places, vertices[i], arm);
+            pel_vec3_along(far, -weights[i], arm, far);
+        }
+        /* arms as they are now, at the pivots of the start */
+        pel_vec3_subtract(own, p.items[0].state.pivot, own);
+        pel_vec3_subtract(far, p.items[1].state.pivot, far);
+        pel_vec3_add(far, p.items[1].started.pivot, far);
+        pel_vec3_subtract(far, p.items[0].started.pivot, far);
+        pel_rigid_sum_set(&sum, &p.rigids, vertices, weights, 4, p.places);
+        for (int k = 0; k < 3; k++)
+            assert_near(sum.grips[0].arm[k], carried >= 0 ? own[k] : 0.5 * (own[k] + far[k]),
+                        sizeof(pel_real) == sizeof(double) ? 1e-12 : 1e-6);
+        end_pair(&p);
+    }
+}
+
 static void test_hit(void **state)
 {
     (void)state;
@@ -94,6 +129,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mobility),
         cmocka_unit_test(test_momenta),
+        cmocka_unit_test(test_arms),
         cmocka_unit_test(test_hit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
