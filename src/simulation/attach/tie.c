@@ -92,12 +92,12 @@ static bool stretch(const pel_sim *sim, const pel_tie *tie, double time, const d
 
 /* ---- in a step ---- */
 
-static void begin_tie(const pel_sim *sim, pel_tie *tie)
+static void begin_tie(const pel_sim *sim, pel_tie *tie, const pel_record *positions)
 {
     const pel_tie_group *group = &sim->ties->groups[tie->group];
     double sum[3];
     tie->phase = PEL_TIE_HOLDING;
-    sum_records(tie, sim->state->position, sum);
+    sum_records(tie, positions, sum);
     tie->start = pel_vec3_length(sum);
     if (group->def.target == PEL_TIE_PLACE)
         pel_vec3_copy(sum, tie->place);
@@ -105,19 +105,32 @@ static void begin_tie(const pel_sim *sim, pel_tie *tie)
         pel_pose_to_local(&sim->tools->items[group->def.tool].pose, sum, tie->place);
 }
 
+/* those that begin or end by a time */
+static void switch_ties(pel_sim *sim, double time, const pel_record *positions)
+{
+    pel_ties *ties = sim->ties;
+    for (int32_t i = 0; i < ties->count; i++) {
+        pel_tie *tie = &ties->items[i];
+        const pel_tie_def *def = &ties->groups[tie->group].def;
+        const int32_t before = tie->phase;
+        if (tie->phase == PEL_TIE_WAITING && time >= def->from)
+            begin_tie(sim, tie, positions);
+        if (tie->phase == PEL_TIE_HOLDING && time >= def->until)
+            tie->phase = PEL_TIE_OPEN;
+        ties->change |= tie->phase != before;
+    }
+}
+
 void pel_ties_begin(pel_sim *sim)
 {
     pel_ties *ties = sim->ties;
-    double middle = pel_sim_part_time(sim, 0.5);
-    for (int32_t i = 0; ties != NULL && i < ties->count; i++) {
-        pel_tie *tie = &ties->items[i];
-        const pel_tie_def *def = &ties->groups[tie->group].def;
-        pel_vec3_set(tie->sum, 0, 0, 0);
-        if (tie->phase == PEL_TIE_WAITING && middle >= def->from)
-            begin_tie(sim, tie);
-        if (tie->phase == PEL_TIE_HOLDING && middle >= def->until)
-            tie->phase = PEL_TIE_OPEN;
-    }
+    if (ties == NULL)
+        return;
+    ties->change = false;
+    for (int32_t i = 0; i < ties->count; i++)
+        pel_vec3_set(ties->items[i].sum, 0, 0, 0);
+    const int32_t count = pel_sim_is_projected(sim) ? sim->solver.substeps : 1;
+    switch_ties(sim, pel_sim_part_time(sim, 0.5 / count), sim->state->position);
 }
 
 /* N on the vertex, at positions and a time */
@@ -273,9 +286,12 @@ void pel_ties_apply(pel_sim *sim, double ratio)
 
 /* ---- projection ---- */
 
-void pel_ties_begin_substep(pel_sim *sim)
+void pel_ties_begin_substep(pel_sim *sim, double middle, const pel_record *start)
 {
-    for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++)
+    if (sim->ties == NULL)
+        return;
+    switch_ties(sim, middle, start);
+    for (int32_t i = 0; i < sim->ties->count; i++)
         pel_vec3_set(sim->ties->items[i].multiplier, 0, 0, 0);
 }
 

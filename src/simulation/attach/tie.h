@@ -38,6 +38,7 @@ struct pel_ties {
     int32_t group_count;
     pel_tie *items; /* (count) group by group */
     int32_t count;
+    bool change;             /* one begins or ends with the present part */
     int32_t (*couplings)[4]; /* (count) scratch: vertices of those that hold and have more than one */
 };
 
@@ -46,7 +47,7 @@ struct pel_ties {
 pel_status pel_ties_create(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 void pel_ties_destroy(pel_sim *sim);
 
-/* Before a part of a step: those that begin or end in the middle of it. */
+/* Before a part of a step: those that begin or end by the middle of it, or of its first substep. */
 void pel_ties_begin(pel_sim *sim);
 /* After a part that is accepted, with the new positions: forces, work, and what was too much. */
 void pel_ties_end(pel_sim *sim, double next);
@@ -60,9 +61,10 @@ int32_t pel_ties_list_couplings(const pel_sim *sim, const int32_t (**vertices)[4
    positions. */
 void pel_ties_apply(pel_sim *sim, double ratio);
 
-/* Substeps of projection: multipliers from 0; a sweep, at a time and with the length [s] of a substep; the forces,
-   those on vertices that do not move also into reaction (vertex_count; null = none). */
-void pel_ties_begin_substep(pel_sim *sim);
+/* Substeps of projection: those that begin or end by its middle [s], multipliers from 0; a sweep, at a time and with
+   the length [s] of a substep; the forces, those on vertices that do not move also into reaction (vertex_count; null =
+   none). */
+void pel_ties_begin_substep(pel_sim *sim, double middle, const pel_record *start);
 void pel_ties_project(pel_sim *sim, double time, double tau, pel_record *positions);
 void pel_ties_tally(pel_sim *sim, double tau, pel_record *reaction);
 

@@ -75,7 +75,7 @@ static void begin_contacts(pel_sim *sim, const pel_meeting *meeting)
 void pel_meet_begin(pel_sim *sim, const pel_meeting *meeting)
 {
     begin_contacts(sim, meeting);
-    pel_ties_begin_substep(sim);
+    pel_ties_begin_substep(sim, meeting->end - 0.5 * meeting->length, meeting->start);
     pel_joints_begin_substep(sim);
 }
 

@@ -208,7 +208,7 @@ static const pel_implicit_scheme *plain_scheme(const pel_sim *sim)
 {
     const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
     bool is_smooth = sim->state->older_is_known && sim->state->collision == 0 && !pel_loads_jump(sim, span) &&
-                     !pel_tools_grasps_change(sim);
+                     !pel_tools_grasps_change(sim) && !(sim->ties != NULL && sim->ties->change);
     return is_smooth ? &bdf2 : &euler;
 }
 

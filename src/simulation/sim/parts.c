@@ -4,6 +4,7 @@
    again if necessary. Parts grow after a number of good ones. */
 #include "sim/parts.h"
 
+#include "attach/tie.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "method/softness.h"
@@ -12,6 +13,7 @@
 #include "tool/tool.h"
 #include "touch/contact.h"
 
+#include <math.h>
 #include <string.h>
 
 void pel_parts_create(pel_sim *sim)
@@ -89,6 +91,52 @@ static void set_size(pel_sim *sim, int32_t size)
         sim->stepper->set_time(sim, before);
 }
 
+/* Grasps and ties end between parts. Where that is inside an implicit step, it has parts that end there, to a share of
+   the step, and the part after it, which Euler takes, is short: else a body that is let go would fall half a step too
+   early or too late. Where they begin, they stop what moves: the shorter the part, the larger that force, which they
+   may not stand. */
+enum { EVENT_PART = PEL_PART_LIMIT / 16 };
+
+/* the end of the next part is at the time of what is to end, or soon after it if that is now */
+static void take_event(const pel_sim *sim, double time, int32_t *next)
+{
+    const double share = time / sim->solver.dt - (double)sim->state->step;
+    if (!(time > 0 && share < 1))
+        return;
+    const int32_t at = (int32_t)floor(share * PEL_PART_LIMIT / EVENT_PART + 0.5) * EVENT_PART;
+    const int32_t end = at > sim->part.at ? at : sim->part.at + EVENT_PART;
+    *next = end < *next ? end : *next;
+}
+
+/* the end of the next part at most */
+static int32_t next_event(const pel_sim *sim)
+{
+    int32_t next = PEL_PART_LIMIT;
+    if (!sim->part.can_halve || pel_sim_is_projected(sim))
+        return next;
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        const pel_tool *tool = &sim->tools->items[t];
+        if (tool->grasp && tool->phase == PEL_GRASP_HOLDING)
+            take_event(sim, tool->grasp_until, &next);
+    }
+    for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++) {
+        const pel_tie *tie = &sim->ties->items[i];
+        if (tie->phase == PEL_TIE_HOLDING)
+            take_event(sim, sim->ties->groups[tie->group].def.until, &next);
+    }
+    return next;
+}
+
+/* a size up to the one that the contacts have room for, that ends no later than the next grasp or tie */
+static int32_t next_size(const pel_sim *sim)
+{
+    const int32_t event = next_event(sim);
+    int32_t size = pel_house_of(sim)->parts.now.size;
+    while (sim->part.at % size != 0 || sim->part.at + size > event)
+        size /= 2;
+    return size;
+}
+
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
@@ -104,11 +152,12 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
         memset(sim->tools->items[t].force_sum, 0, sizeof sim->tools->items[t].force_sum);
         memset(sim->tools->items[t].torque_sum, 0, sizeof sim->tools->items[t].torque_sum);
     }
-    if (parts->now.size == PEL_PART_LIMIT)
+    const int32_t size = next_size(sim);
+    if (size == PEL_PART_LIMIT)
         return PEL_OK;
     pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
     if (status == PEL_OK)
-        set_size(sim, parts->now.size);
+        set_size(sim, size);
     return status;
 }
 
@@ -123,7 +172,7 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
     if (parts->now.calm == 0)
         parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
     parts->now.calm = 0;
-    parts->now.size /= 2;
+    parts->now.size = sim->part.step_size / 2;
     set_size(sim, parts->now.size);
     return PEL_OK;
 }
@@ -149,17 +198,18 @@ void pel_parts_accept(pel_sim *sim)
         sum_readings(sim);
     sim->part.at += sim->part.step_size;
     sim->part.conflict_count = sim->part.repeat_count = 0;
-    if (now->size == PEL_PART_LIMIT)
-        return;
-    now->calm++;
-    if ((now->calm < now->patience && !pel_parts_are_spent(sim)) || sim->part.at % (2 * now->size) != 0)
-        return;
-    now->size *= 2;
-    now->calm = 0;
-    if (now->size == PEL_PART_LIMIT)
-        now->patience = PEL_LEAST_PATIENCE;
-    if (sim->part.at < PEL_PART_LIMIT)
-        set_size(sim, now->size);
+    if (now->size < PEL_PART_LIMIT)
+        now->calm++;
+    const bool grows = now->size < PEL_PART_LIMIT && (now->calm >= now->patience || pel_parts_are_spent(sim));
+    if (grows && sim->part.at % (2 * now->size) == 0) {
+        now->size *= 2;
+        now->calm = 0;
+        if (now->size == PEL_PART_LIMIT)
+            now->patience = PEL_LEAST_PATIENCE;
+    }
+    const int32_t size = sim->part.at < PEL_PART_LIMIT ? next_size(sim) : sim->part.step_size;
+    if (size != sim->part.step_size)
+        set_size(sim, size);
 }
 
 void pel_parts_end(pel_sim *sim, pel_status status)
