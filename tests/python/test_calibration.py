@@ -51,6 +51,16 @@ class Calibration(unittest.TestCase):
         self.assertIn("<svg", (self.folder / "fit/fit.svg").read_text())
         self.assertEqual(len((self.folder / "fit/curves.csv").read_text().splitlines()), 61)
 
+    @long
+    def test_organ(self):
+        """The springs of docs/volumes.md give the force of the tetrahedra within 5 % of the largest, the defaults do not."""
+        scene, volumes = ROOT / "examples/organ/springs.yaml", np.loadtxt(ROOT / "examples/organ/force.csv", delimiter=",", skiprows=1)
+        for young, filling, is_near in ((5721, 14410, True), (50000, 5000, False)):
+            values = {"bodies.organ.springs.young": young, "bodies.organ.volumetric.young": filling}
+            series = pellicle.run(scene, self.folder / str(young), values).series
+            force = np.interp(-volumes[:, 0], -np.array(series["ball_z"]), series["ball_force_z"])
+            self.assertEqual(abs(force - volumes[:, 1]).max() < 0.05 * volumes[:, 1].max(), is_near)
+
     def line(self, scene, parameters, y="work_tools"):
         """A fit of one small scene to a made-up line."""
         path = self.folder / "data.csv"
