@@ -135,6 +135,24 @@ static const pel_run_warning *held(const char *text, pel_run_summary *summary)
     return warning;
 }
 
+/* A ball that has pressed a sheet on a table deeper than there is room for goes up with its keys: what comes after it
+   stays, not the ball (which kept its 244 N until the end of the run). */
+static void test_leaves_jam(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    const pel_run_warning *warning = held(
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies: [ { name: sheet, mesh: { shape: grid, nx: 10, ny: 10, size_x: "
+        "0.1, size_y: 0.1, translate: [0, 0, 0.0006] }, membrane: { preset: paper, young: 3.0e6 } } ]\ntools:\n"
+        "  - { name: press, shape: sphere, radius: 0.01, motion: [ { position: [0, 0, 0.014] }, { time: 0.1, "
+        "position: [0, 0, 0.009] }, { time: 0.2, position: [0, 0, 0.014] } ] }\n"
+        "  - { name: table, shape: box, size: [0.5, 0.5, 0.1], motion: [ { position: [0, 0, -0.05] } ] }\n"
+        "contact: { friction: 0.3 }\nsolver: { method: xpbd, dt: 0.005 }\nduration: 0.22\n",
+        &summary);
+    assert_non_null(strstr(warning->text, "it caught up with its keys"));
+    assert_true(summary.ledger.elastic < 1e-6 && summary.self_intersections_final == 0);
+}
+
 /* what to do depends on where a tool that was held back ends: away from its keys, at them, or within pinned vertices */
 static void test_held_back(void **unused)
 {
@@ -175,6 +193,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade),        cmocka_unit_test(test_low_sharpness),
                                        cmocka_unit_test(test_sheet_over_corner), cmocka_unit_test(test_found_too_near),
-                                       cmocka_unit_test(test_lips_of_a_cut),     cmocka_unit_test(test_held_back)};
+                                       cmocka_unit_test(test_lips_of_a_cut),     cmocka_unit_test(test_held_back),
+                                       cmocka_unit_test(test_leaves_jam)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

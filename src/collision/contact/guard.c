@@ -7,7 +7,8 @@
    Bridson et al. 2002, without rotation). A zone moves by the mean of its ways, weighted with mass, which keeps its
    momentum; its points move relative to that by a share of their own ways, which every conflict reduces: 0.9 of the
    time of impact. In the end it moves as one. A zone with an obstacle, or with a vertex that cannot move, has no mean:
-   its ways shrink towards their starts, and so does that of the obstacle, with all that it holds;
+   its ways shrink towards their starts, and so does that of the obstacle, with all that it holds,
+   unless it goes away from where they started (which ends with round 19);
 
    rounds 16 .. 21: the points of conflicts, and ever more rings around them, keep their start positions;
 
@@ -29,7 +30,7 @@
 
 #include <string.h>
 
-enum { ZONE_ROUNDS = 16, LAST_ROUND = 22 };
+enum { ZONE_ROUNDS = 16, PARTING_ROUNDS = 20, LAST_ROUND = 22 };
 
 #define SAFE_TIME 0.9
 #define LEAST_SHARE 0.02
@@ -79,6 +80,30 @@ static int nodes_of(const pel_contact_set *set, const pel_conflict *conflict, in
     if (conflict->obstacle >= 0)
         nodes[count++] = set->vertex_count + conflict->obstacle;
     return count;
+}
+
+/* Whether an obstacle goes away from where the vertices of a conflict began: then it is they who come after it, and
+   what stops it would keep it in a jam that it leaves. The distance from a convex solid is convex on a straight way:
+   what grows at its start grows on all of it. */
+static bool parts(const pel_contact_set *set, const pel_conflict *conflict)
+{
+    if (conflict->obstacle < 0 || set->obstacles[conflict->obstacle].mesh != NULL)
+        return false;
+    const pel_obstacle *obstacle = &set->obstacles[conflict->obstacle];
+    bool any = false;
+    for (int i = 0; i < 4; i++) {
+        double before[3], after[3], normal[3];
+        if (conflict->vertices[i] < 0)
+            continue;
+        pel_pose_to_local(&obstacle->before, set->start[conflict->vertices[i]], before);
+        pel_pose_to_local(&set->wanted[conflict->obstacle], set->start[conflict->vertices[i]], after);
+        any = true;
+        pel_solid_distance(&obstacle->solid, before, normal);
+        pel_vec3_subtract(after, before, after);
+        if (!(pel_vec3_dot(after, normal) > 0))
+            return false;
+    }
+    return any;
 }
 
 /* every node a zone of its own, going all of its way */
@@ -153,7 +178,8 @@ static void join_conflict(pel_contact_set *set, const pel_conflict *conflict)
     if (conflict->obstacle >= 0 && places > 0)
         zones[find_zone(zones, nodes[0])].is_held = true;
     bool is_far = places > 0 && goes_far(set, &zones[find_zone(zones, nodes[0])]);
-    for (int i = 0; i < count; i++) {
+    int shortened = parts(set, conflict) ? places : count;
+    for (int i = 0; i < shortened; i++) {
         double *impact =
             is_far ? &set->body_impacts[set->group_of_point[nodes[i]]] : &zones[zones[nodes[i]].leader].impact;
         *impact = pel_min(*impact, conflict->time);
@@ -187,9 +213,13 @@ static void stop_conflicts(pel_contact_set *set, int32_t node_count, int rings)
 {
     int32_t nodes[5], *ring_of = set->rings;
     memset(ring_of, 0, (size_t)node_count * sizeof *ring_of);
-    for (size_t c = 0; c < set->conflict_count; c++)
-        for (int i = nodes_of(set, &set->conflicts[c], nodes) - 1; i >= 0; i--)
+    for (size_t c = 0; c < set->conflict_count; c++) {
+        int count = nodes_of(set, &set->conflicts[c], nodes);
+        if (rings < PARTING_ROUNDS - ZONE_ROUNDS && parts(set, &set->conflicts[c]))
+            count--;
+        for (int i = 0; i < count; i++)
             ring_of[nodes[i]] = 1;
+    }
     for (int ring = 1; ring <= rings; ring++)
         for (int32_t t = 0; t < set->triangle_count; t++) {
             const int32_t *v = set->triangles[t];
