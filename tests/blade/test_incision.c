@@ -352,6 +352,40 @@ static void draws_out(void **unused)
     end_sheet(&s);
 }
 
+/* A blade that comes down in the middle of a sheet, goes through it with its point and on across it: its force is the
+   limit while it goes on, in long and short steps. What it pulled as it came through has another direction, and the
+   vertex at the end of the cut swings along the edge and past the blade: once each of these let it cut for nothing. */
+static void pierces_and_goes_on(void **unused)
+{
+    (void)unused;
+    const double dt[] = {0.01, 0.002};
+    const pel_pose_key way[] = {{.position = {-0.02, 0, 0.021}, .rotation = {0, 0, 0, 1}},
+                                {.time = 0.1, .position = {-0.02, 0, -0.01}, .rotation = {0, 0, 0, 1}},
+                                {.time = 0.5, .position = {0.03, 0, -0.01}, .rotation = {0, 0, 0, 1}}};
+    for (int i = 0; i < 2; i++) {
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, 1);
+        int count = (int)(0.5 / dt[i] + 0.5), loaded = 0;
+        tool.sharpness = 0.3 * SHARPNESS;
+        pel_vec3_set(tool.edge[0], 0, 0, -0.02);
+        pel_vec3_set(tool.edge[1], -0.004, 0, 0.04);
+        tool.keys = way;
+        tool.key_count = 3;
+        sheet s = make_sheet(PEL_METHOD_IMPLICIT, dt[i], &tool, 1);
+        for (int k = 0; k < count; k++) {
+            pel_tool_reading reading;
+            step(s.sim, 1);
+            pel_sim_get_tool(s.sim, 0, &reading);
+            loaded += 2 * k >= count && pel_vec3_length(reading.force) > 0.8 * tool.sharpness * THICKNESS;
+        }
+        pel_sim_ledger ledger;
+        pel_sim_get_ledger(s.sim, &ledger);
+        assert_true(length_of(s.sim) > 0.04 && 2 * loaded > 0.95 * count);
+        assert_true(ledger.work_tools > ledger.dissipated_fracture);
+        end_sheet(&s);
+    }
+}
+
 /* a blade that the sheet can follow presses, and cuts nothing */
 static void presses(void **unused)
 {
@@ -570,11 +604,21 @@ static void places(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_speed),      cmocka_unit_test(falls_apart), cmocka_unit_test(inside),
-        cmocka_unit_test(guillotine),     cmocka_unit_test(resistance),  cmocka_unit_test(draws_out),
-        cmocka_unit_test(presses),        cmocka_unit_test(returns),     cmocka_unit_test(hook),
-        cmocka_unit_test(refusals),       cmocka_unit_test(ranges),      cmocka_unit_test(places),
-        cmocka_unit_test(beside_contact), cmocka_unit_test(swinging),
+        cmocka_unit_test(any_speed),
+        cmocka_unit_test(falls_apart),
+        cmocka_unit_test(inside),
+        cmocka_unit_test(guillotine),
+        cmocka_unit_test(resistance),
+        cmocka_unit_test(draws_out),
+        cmocka_unit_test(pierces_and_goes_on),
+        cmocka_unit_test(presses),
+        cmocka_unit_test(returns),
+        cmocka_unit_test(hook),
+        cmocka_unit_test(refusals),
+        cmocka_unit_test(ranges),
+        cmocka_unit_test(places),
+        cmocka_unit_test(beside_contact),
+        cmocka_unit_test(swinging),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

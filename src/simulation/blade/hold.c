@@ -31,8 +31,13 @@
 #define LEAST_CLOSED 1e-3
 /* stiffness of a sheet at the end of a cut, over Young's modulus times thickness; at least half of what it is */
 #define TIP_SHARE 0.6
+/* twice the square of the rate of the first stage of a step, (2 + sqrt 2) / dt: forces of a place that moves jump with
+   its second difference, so with less its swings would grow */
+#define INERTIA 24
 /* of the way by which the limit moves a vertex in balance */
 #define SWING 2.0
+/* of the limit */
+#define LEAST_PULL 0.01
 
 static const pel_tool_def *def_of(const pel_sim *sim, const pel_tool *tool)
 {
@@ -206,6 +211,21 @@ static double stiffness_of(const pel_sim *sim, int32_t body)
     return TIP_SHARE * sim->tools->strengths[body] / edge_of(sim, body);
 }
 
+typedef struct hold {
+    pel_sim *sim;
+    pel_tool *tool;
+    pel_blade_tip *tip;
+    int32_t i, v;  /* among the held ones, and of the model */
+    double way[3]; /* m, of the blade in the step, across its edge */
+} hold;
+
+/* N/m, of a vertex along the edge, with its inertia in a step of second order */
+static double resistance_of(const hold *h)
+{
+    double dt = h->sim->step.dt, mass = pel_sim_has_velocity(h->sim) ? (double)h->sim->model->mass[h->v] : 0;
+    return stiffness_of(h->sim, h->tip->body) + INERTIA * mass / (dt * dt);
+}
+
 /* the point of the edge nearest to x, and its way in the step */
 static double find_point(const pel_tool *tool, const double x[3], double way[3])
 {
@@ -226,14 +246,6 @@ static void take_out(const double axis[3], double x[3], double along[3])
     pel_vec3_scale(axis, pel_vec3_dot(axis, x), along);
     pel_vec3_subtract(x, along, x);
 }
-
-typedef struct hold {
-    pel_sim *sim;
-    pel_tool *tool;
-    pel_blade_tip *tip;
-    int32_t i, v;  /* among the held ones, and of the model */
-    double way[3]; /* m, of the blade in the step, across its edge */
-} hold;
 
 /* unit */
 static void axis_of(const hold *h, double axis[3])
@@ -286,6 +298,9 @@ static void aim(const hold *h, double limit)
     pel_vec3_subtract(aim, x, aim);
     axis_of(h, axis);
     take_out(axis, aim, along);
+    /* a vertex that is farther ahead than that is not pulled back */
+    if (pel_vec3_dot(aim, h->way) < 0)
+        pel_vec3_copy(h->way, aim);
     if (pel_vec3_normalize(aim) > 0)
         pel_vec3_scale(aim, -limit, h->tip->pull);
 }
@@ -333,6 +348,14 @@ void pel_blade_take_on(pel_sim *sim, pel_tool *tool, pel_blade_tip *tip)
     pel_blade_take(sim, tool, tip->body, tip->vertex);
 }
 
+/* Whether a vertex is pulled back. A blade that has pierced a surface pulls in no direction that it had before, until
+   it has cut; a small force has none. */
+static bool is_pulled_back(const hold *h, const double force[3], double limit)
+{
+    bool has_course = pel_vec3_length(h->tip->ahead) > 0 && pel_vec3_length(force) > LEAST_PULL * limit;
+    return pel_vec3_dot(force, h->tip->pull) < 0 && (has_course || pel_blade_is_hook(h->sim, h->tool));
+}
+
 /* a hook lets go of all above its limit, a blade drags */
 static void follow_hold(hold *h, double limit)
 {
@@ -340,7 +363,7 @@ static void follow_hold(hold *h, double limit)
     axis_of(h, axis);
     pel_vec3_copy(h->sim->tools->grip_forces[h->v], force);
     take_out(axis, force, along);
-    bool is_hook = pel_blade_is_hook(h->sim, h->tool), is_back = pel_vec3_dot(force, h->tip->pull) < 0;
+    bool is_hook = pel_blade_is_hook(h->sim, h->tool), is_back = is_pulled_back(h, force, limit);
     if (is_back || (is_hook && pel_vec3_length(force) > limit)) {
         h->tool->tally.lost_count += is_hook && !is_back;
         drop(h->sim, h->tool, h->i);
@@ -353,7 +376,7 @@ static void follow_hold(hold *h, double limit)
     /* along its edge, where a blade holds nothing, the vertex has stayed (tool/follow.c) */
     pel_vertex_position(h->sim->state->position, h->v, x);
     pel_pose_to_local(&h->tool->pose, x, h->tool->anchors[h->i]);
-    shift(h, 1 / stiffness_of(h->sim, h->tip->body), along);
+    shift(h, 1 / resistance_of(h), along);
     if (h->sim->loads->dragged == NULL)
         slide(h, limit);
     else if (pel_vec3_length(force) >= limit)

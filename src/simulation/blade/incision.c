@@ -782,6 +782,8 @@ static pel_status cut_slip(search *s, pel_blade_tip *tip, pel_error *error)
     bool is_first = !tip->is_open && !is_on_border(s, before), is_done = false;
     for (int i = 0; status == PEL_OK && !is_done && i < 1 + is_first; i++)
         status = advance(s, tip, i > 0 ? tip->ahead : direction, &is_done, error);
+    if (tip->vertex != before)
+        pel_vec3_scale(way, -pel_vec3_length(tip->pull) / length, tip->pull);
     if (is_done && tip->vertex != before)
         remove_tip(s, tip);
     return status;
