@@ -755,12 +755,12 @@ static void tell_unsettled(const pel_warning_text *at)
 /* most of the energy stayed, but not the frequency */
 static void tell_coarse_steps(const pel_warning_text *at, double dt)
 {
-    const pel_stepper *stepper = pel_stepper_of(at->run->scene->sim.solver.method);
     const double steps = GOOD_STEPS * GOOD_ANGLE / at->run->flagged[PEL_WARN_UNRESOLVED].value;
-    snprintf(at->text, at->size,
-             "the steps do not resolve the motion: a vibration has %.2g of them, so that frequencies, phases and "
-             "amplitudes are off. use %ssolver: { dt: %.2g }, or drag if the state of rest is asked for",
-             steps, stepper->minimises ? "" : "the method implicit with ", dt);
+    snprintf(
+        at->text, at->size,
+        "the steps do not resolve the motion: a vibration has %.2g of them, so that frequencies, phases and "
+        "amplitudes are off. use solver: { method: implicit, dt: %.2g }, or drag if the state of rest is asked for",
+        steps, dt);
 }
 
 /* s: a step of explicit that is stable, in a run that is not too long; 0 where there is none */
@@ -802,7 +802,7 @@ static void write_fine_remedy(const pel_run_state *run, double good_dt, char *te
         snprintf(text, size, "use solver: { substeps: %.0f }",
                  ceil(solver.most_substeps * pel_max(2, sqrt(run->totals.loss / (LITTLE_LOSS * kept)))));
     else
-        snprintf(text, size, "use solver: { dt: %.2g } or less", good_dt);
+        snprintf(text, size, "use solver: { method: implicit, dt: %.2g } or less", good_dt);
 }
 
 /* Implicit resolves a vibration that is known; where the stable step of explicit costs less, that does more. */
@@ -817,9 +817,7 @@ static void write_known_remedy(const pel_run_state *run, const pel_fastest_motio
                  dt, 1e-3 * pel_scene_substep_cost(scene) * scene->duration / dt, motion->dt,
                  1e-3 * implicit * scene->duration);
     else
-        snprintf(text, size, "use %ssolver: { dt: %.2g }: %s",
-                 pel_stepper_of(scene->sim.solver.method)->minimises ? "" : "the method implicit with ", motion->dt,
-                 motion->reason);
+        snprintf(text, size, "use solver: { method: implicit, dt: %.2g }: %s", motion->dt, motion->reason);
 }
 
 /* a step that would do where a vibration or a load is known that is so fast */
