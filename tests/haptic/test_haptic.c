@@ -37,7 +37,7 @@ static pel_body_def tissue_body(const pel_mesh *mesh)
     return body;
 }
 
-static stage make_tissue(double dt, const pel_tool_def *tool)
+static stage make_tissue_of(pel_method method, double dt, const pel_tool_def *tool)
 {
     stage s;
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
@@ -46,12 +46,17 @@ static stage make_tissue(double dt, const pel_tool_def *tool)
     assert_int_equal(pel_shape_create(&shape, &s.mesh, NULL), PEL_OK);
     pel_body_def body = tissue_body(s.mesh);
     s.model = make_model(&body);
-    pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, dt);
+    pel_sim_def def = lone_sim(s.model, method, dt);
     def.tools = tool;
     def.tool_count = 1;
     def.contact.enabled = tool->shape == PEL_TOOL_MESH;
     s.sim = make_sim(&def);
     return s;
+}
+
+static stage make_tissue(double dt, const pel_tool_def *tool)
+{
+    return make_tissue_of(PEL_METHOD_XPBD, dt, tool);
 }
 
 static pel_tool_def make_tip(const pel_pose_key *key)
@@ -327,6 +332,27 @@ static void test_force_without_vertices(void **unused)
     for (int i = 0; i < 3; i++)
         assert_near(plane->stiffness * depth * plane->normal[i], force[i], 1e-9);
     end_stage(&s);
+}
+
+/* The force that is known acts where the tool was: in the middle of its way in the step, at its end where there are no
+   velocities. Half a step beside it the hand would feel a wall of another depth. */
+static void test_place_of_the_force(void **unused)
+{
+    (void)unused;
+    const pel_pose_key keys[2] = {{.position = {0, 0, BALL + 3 * TIP}, .rotation = {0, 0, 0, 1}},
+                                  {.time = 1, .position = {0, 0, BALL + 2 * TIP}, .rotation = {0, 0, 0, 1}}};
+    static const pel_method methods[2] = {PEL_METHOD_XPBD, PEL_METHOD_QUASI_STATIC};
+    for (int m = 0; m < 2; m++) {
+        pel_tool_def tip = make_tip(keys);
+        tip.key_count = 2;
+        stage s = make_tissue_of(methods[m], 0.1, &tip);
+        run_steps(s.sim, 3);
+        pel_local_model model;
+        pel_surface_estimate estimate = {.stiffness = 1000, .least = 1000, .most = 1000};
+        pel_local_model_take(s.sim, 0, TIP, NULL, &estimate, &model);
+        assert_near(model.tool_position[2], BALL + 3 * TIP - (m == 0 ? 0.25 : 0.3) * TIP, 1e-9);
+        end_stage(&s);
+    }
 }
 
 /* under a tool given as a mesh one plane carries all of its force */
@@ -608,6 +634,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_mesh_tool),
                                        cmocka_unit_test(test_planes_of_a_box),
                                        cmocka_unit_test(test_force_without_vertices),
+                                       cmocka_unit_test(test_place_of_the_force),
                                        cmocka_unit_test(test_priority),
                                        cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),
