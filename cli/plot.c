@@ -29,6 +29,25 @@ typedef struct chosen {
     bool log_x, log_y;
 } chosen;
 
+/* The next cell of a line, without the quotes about it and with one for two within, in its place; *rest is null behind
+   the last one. */
+static char *take_cell(char **rest)
+{
+    char *from = *rest, *to = from, *cell = from;
+    bool is_quoted = *from == '"';
+    for (from += is_quoted; *from != '\0' && *from != '\r' && *from != '\n' && (is_quoted || *from != ','); from++) {
+        if (is_quoted && *from == '"' && *++from != '"') {
+            is_quoted = false;
+            from--;
+            continue;
+        }
+        *to++ = *from;
+    }
+    *rest = *from == ',' ? from + 1 : NULL;
+    *to = '\0';
+    return cell;
+}
+
 static bool read_header(const char *path, header *head)
 {
     FILE *file = fopen(path, "r");
@@ -38,8 +57,8 @@ static bool read_header(const char *path, header *head)
         fclose(file);
     if (length <= 0)
         return false;
-    for (char *rest = head->line, *name; (name = strtok_r(rest, ",\r\n", &rest)) != NULL && head->count < MOST_COLUMNS;)
-        head->names[head->count++] = name;
+    for (char *rest = head->line; rest != NULL && head->count < MOST_COLUMNS;)
+        head->names[head->count++] = take_cell(&rest);
     return head->count > 0;
 }
 
@@ -180,11 +199,23 @@ static pel_status write_picture(const chosen *plot, const char *title, const cha
     return status;
 }
 
+/* a cell, in quotes where it has a character that separates cells */
+static void put_cell(FILE *file, const char *text)
+{
+    bool is_quoted = strpbrk(text, ",\"") != NULL;
+    fputs(is_quoted ? "\"" : "", file);
+    for (; *text != '\0'; text++)
+        fprintf(file, "%s%c", *text == '"' ? "\"" : "", *text);
+    fputs(is_quoted ? "\"" : "", file);
+}
+
 static void write_table(FILE *file, const void *context)
 {
     const chosen *plot = context;
-    for (int c = 0; c < plot->count; c++)
-        fprintf(file, "%s%s", c > 0 ? "," : "", plot->names[c]);
+    for (int c = 0; c < plot->count; c++) {
+        fputs(c > 0 ? "," : "", file);
+        put_cell(file, plot->names[c]);
+    }
     fputc('\n', file);
     for (int64_t row = 0; row < plot->series->row_count; row++)
         for (int c = 0; c < plot->count; c++) {

@@ -221,12 +221,33 @@ static void test_nothing_moves(void **unused)
     assert_near((double)x[0][2], -0.05, 1e-6);
 }
 
+/* what is switched off has neither load nor friction, whatever its places */
+static void test_off(void **unused)
+{
+    (void)unused;
+    pel_record x[4], earlier[4];
+    pel_contact contact = vertex_on_face(1);
+    contact.multiplier = contact.earlier = 3;
+    for (int k = 0; k < 3; k++)
+        contact.drag[k] = (pel_real)(k + 1);
+    pel_contact_switch_off(&contact);
+    assert_true(contact.multiplier == 0 && contact.earlier == 0);
+    for (int k = 0; k < 3; k++)
+        assert_true(contact.drag[k] == 0);
+    place(x, -0.05);
+    memcpy(earlier, x, sizeof x);
+    pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 0.1};
+    pel_contacts_project(&list, x, x);
+    assert_memory_equal(x, earlier, sizeof x);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_turned),    cmocka_unit_test(test_layer),
         cmocka_unit_test(test_left_load),   cmocka_unit_test(test_kept_load), cmocka_unit_test(test_active),
         cmocka_unit_test(test_friction),    cmocka_unit_test(test_drift),     cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_off),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
