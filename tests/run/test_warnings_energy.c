@@ -50,6 +50,31 @@ static void test_rounding(void **unused)
     }
 }
 
+/* Bodies that a pressure swings faster than steps show: its work is that of the substeps, whatever the step. */
+static void test_work_in_substeps(void **unused)
+{
+    (void)unused;
+#define PULSED(body)                                                                                                   \
+    "version: 1\nbodies:\n  - name: body\n    " body "\n    membrane: { young: 1.0e5, thickness: 0.001 }\n    "        \
+    "pressure: { inside: { keys: [[0, 0], [0.012, 200], [0.053, 100], [0.07, 0]] } }\nsolver: { method: xpbd }\n"      \
+    "duration: 0.12\n"
+    static const char *const scenes[] = {PULSED("mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.05 }"),
+                                         PULSED("mesh: { shape: disk, radius: 0.05, rings: 5 }\n    pinned: boundary")};
+    static const char *const steps[] = {"solver.dt=0.007", "solver.dt=0.01", "solver.dt=0.015", "solver.dt=0.03"};
+    for (int k = 0; k < 2; k++) {
+        double expected = 0;
+        for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+            pel_run_summary summary;
+            run_scene(scenes[k], &steps[i], 1, NULL, 0, &summary);
+            print_message("%s: %.3g J\n", steps[i], summary.ledger.work_pressure);
+            expected = i == 0 ? summary.ledger.work_pressure : expected;
+            assert_near(summary.ledger.work_pressure / expected, 1, 0.02);
+            assert_null(find_warning(&summary, "energy-appears"));
+        }
+    }
+#undef PULSED
+}
+
 /* A drum, which its rest shape stretches, and a ball that strikes it and goes away: xpbd is of second order
    until it touches and after, and keeps what it swings with. First order takes most of it, which is little of the
    energy of the stretched drum. */
@@ -345,19 +370,13 @@ static void test_swinging_bag(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unresolved),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_struck_drum),
-        cmocka_unit_test(test_tool_that_stands),
-        cmocka_unit_test(test_work_of_what_jams),
-        cmocka_unit_test(test_thrown_strip),
-        cmocka_unit_test(test_pressed_in_second_order),
-        cmocka_unit_test(test_touches_nothing),
-        cmocka_unit_test(test_unresolved_flutter),
-        cmocka_unit_test(test_damped_energy),
-        cmocka_unit_test(test_unresolved_bounce),
-        cmocka_unit_test(test_silent_bounce),
-        cmocka_unit_test(test_trampoline),
+        cmocka_unit_test(test_unresolved),       cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_work_in_substeps), cmocka_unit_test(test_struck_drum),
+        cmocka_unit_test(test_tool_that_stands), cmocka_unit_test(test_work_of_what_jams),
+        cmocka_unit_test(test_thrown_strip),     cmocka_unit_test(test_pressed_in_second_order),
+        cmocka_unit_test(test_touches_nothing),  cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),    cmocka_unit_test(test_unresolved_bounce),
+        cmocka_unit_test(test_silent_bounce),    cmocka_unit_test(test_trampoline),
         cmocka_unit_test(test_swinging_bag),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);

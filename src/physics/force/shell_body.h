@@ -12,7 +12,6 @@ typedef struct pel_shell_body {
     bool is_pushed;           /* a region has the mode PEL_FIBRE_NORMAL */
     const pel_batch *pressed; /* the batch of its pressure; null = none */
     double pressure;          /* Pa, positive inflates: of the last evaluation */
-    double volume;            /* m3, of the same; NAN where the pressure does not depend on it */
     /* of pel_shell_forces_list, else null */
     int32_t *element_begin; /* (place_count + 2) */
     int32_t *elements;      /* at a place: triangles, then hinges, counted from triangle_count on */

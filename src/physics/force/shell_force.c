@@ -115,7 +115,6 @@ static double find_pressure(const shell_loop *loop, pel_shell_body *own, bool wi
     with_potential &= own->pressure_part == PEL_SHELL_CONSERVATIVE;
     if (with_potential || shell->pressure.kind != PEL_PRESSURE_GIVEN)
         volume = find_volume(loop, own, pool);
-    own->volume = shell->pressure.kind != PEL_PRESSURE_GIVEN ? volume : (double)NAN;
     own->pressure = pel_pressure_difference(shell, loop->span, loop->forces->load_factor, volume, rest_volume);
     if (pel_shell_is_normal_form(shell))
         memset(loop->forces->area_vectors + own->first_place, 0, (size_t)own->place_count * sizeof(pel_record));
@@ -220,15 +219,6 @@ void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position
         any |= forces->bodies[b].pressure_part != 0 || forces->bodies[b].is_pushed;
     if (any)
         evaluate(&loop, false, pool);
-}
-
-bool pel_shell_forces_pressure(const pel_shell_forces *forces, int32_t body, double *pressure, double *volume)
-{
-    if (forces == NULL || forces->bodies[body].pressure_part == 0 || isnan(forces->bodies[body].volume))
-        return false;
-    *pressure = forces->bodies[body].pressure;
-    *volume = forces->bodies[body].volume;
-    return true;
 }
 
 void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position)

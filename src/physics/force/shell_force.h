@@ -60,10 +60,6 @@ pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record
 void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, pel_span span, pel_pool *pool,
                             pel_record *force);
 
-/* of the last evaluation of a body [Pa, positive inflates; m3]; false where its pressure does not depend on the volume
- */
-bool pel_shell_forces_pressure(const pel_shell_forces *forces, int32_t body, double *pressure, double *volume);
-
 /* Lists the elements at each vertex of a body, for the function below. PEL_OUT_OF_MEMORY. */
 pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_error *error);
 

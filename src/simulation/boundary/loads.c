@@ -8,6 +8,7 @@
 #include "boundary/follower.h"
 #include "boundary/share.h"
 #include "boundary/wind.h"
+#include "force/pressure.h"
 #include "force/shell_force.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
@@ -243,11 +244,25 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     return def->kind == PEL_LOAD_PER_LENGTH ? weigh_by_length(body, def, index, load, error) : PEL_OK;
 }
 
+/* room for pressures whose work is that of substeps */
+static bool make_pressed(pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && (shell->outside.key_count > 1 || shell->target.key_count > 1 ||
+                                 !pel_shell_has_potential(&sim->model->bodies[b]));
+    }
+    if (!any || !pel_sim_projects_elements(sim))
+        return true;
+    sim->loads->pressed = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->loads->pressed);
+    return sim->loads->pressed != NULL;
+}
+
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error)
 {
     sim->loads->items = pel_allocate((size_t)count, sizeof *sim->loads->items);
-    sim->loads->pressed = pel_allocate((size_t)sim->model->body_count, sizeof *sim->loads->pressed);
-    if (sim->loads->items == NULL || sim->loads->pressed == NULL)
+    if (sim->loads->items == NULL || !make_pressed(sim))
         return pel_fail_memory(error);
     sim->loads->count = count;
     pel_status status = PEL_OK;
@@ -511,9 +526,7 @@ static bool changes(const pel_load *load, double from, double to)
 void pel_loads_begin_tally(pel_sim *sim, double h)
 {
     double from = pel_sim_time(sim), to = from + sim->step.dt;
-    sim->loads->tallied_work = 0;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        sim->loads->pressed[b] = (pel_pressed){.volume = (double)NAN};
+    sim->loads->tallied_work = sim->loads->pressure_work = 0;
     sim->loads->external_work = h * external_work(sim, NULL, sim->state->velocity);
     for (int32_t l = 0; l < sim->loads->count; l++) {
         pel_load *load = &sim->loads->items[l];
@@ -525,22 +538,34 @@ void pel_loads_begin_tally(pel_sim *sim, double h)
     }
 }
 
-void pel_loads_tally_pressure(pel_sim *sim)
+void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *velocity, pel_span span)
 {
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        pel_pressed *at = &sim->loads->pressed[b];
-        double pressure, volume;
-        if (!pel_shell_forces_pressure(sim->shells, b, &pressure, &volume))
-            continue;
-        *at = (pel_pressed){pressure, volume, pel_loads_pressure_work(sim, b, volume)};
+    pel_record *pressed = sim->loads->pressed;
+    const size_t count = (size_t)sim->model->vertex_count;
+    if (pressed != NULL)
+        memcpy(pressed, sim->force, count * sizeof *pressed);
+    pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
+    double power = 0;
+    for (size_t v = 0; pressed != NULL && v < count; v++) {
+        pressed[v] = sim->force[v] - pressed[v];
+        for (int c = 0; c < 3; c++)
+            power += (double)pressed[v][c] * (double)velocity[v][c];
     }
+    sim->loads->pressure_work += 0.5 * span.ahead * power;
 }
 
-double pel_loads_pressure_work(const pel_sim *sim, int32_t body, double volume)
+/* the other half of their work */
+static void tally_pressures(pel_sim *sim, double h, const pel_record *start)
 {
-    PEL_ASSERT_INDEX(body, sim->model->body_count);
-    const pel_pressed *at = &sim->loads->pressed[body];
-    return isnan(at->volume) ? 0 : at->work + at->pressure * (volume - at->volume);
+    const pel_state *state = sim->state;
+    const pel_record *pressed = sim->loads->pressed;
+    double work = 0;
+    for (int32_t v = 0; pressed != NULL && v < sim->model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            work += (double)pressed[v][c] * (sim->solver.second_order
+                                                 ? h * (double)state->velocity_next[v][c]
+                                                 : (double)state->position_next[v][c] - (double)start[v][c]);
+    sim->loads->pressure_work += 0.5 * work;
 }
 
 /* The mean of the velocities at both ends moves a load; in first order each of them is that of the way before it. */
@@ -552,6 +577,7 @@ void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start)
                                                   : external_work(sim, start, state->position_next);
     sim->loads->tallied_work += 0.5 * (external + sim->loads->external_work);
     sim->loads->external_work = external;
+    tally_pressures(sim, h, start);
     span.extrapolates = false;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         pel_load *load = &sim->loads->items[l];

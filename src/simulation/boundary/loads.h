@@ -39,12 +39,6 @@ typedef struct pel_follower {
     double force[3], turns[3][3][3];
 } pel_follower;
 
-/* a pressure that depends on the volume, over the substeps of a step */
-typedef struct pel_pressed {
-    double pressure, volume; /* Pa and m3 at the start of the last substep; the volume is NAN before the first one */
-    double work;             /* J, until then */
-} pel_pressed;
-
 struct pel_loads {
     pel_load *items; /* (count) */
     int32_t count;
@@ -52,10 +46,11 @@ struct pel_loads {
     pel_record *dragged;       /* (vertex_count) N, forces of blades at their limits (blade/hold.h); null = no blade */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
-    double edge_load_work;   /* J, in the step */
-    double tallied_work;     /* J, in the substeps of the step, of loads that are tallied and of forces of the caller */
-    double external_work;    /* J, of the latter with the velocities at the end of the last substep times its length */
-    pel_pressed *pressed;    /* (body_count) */
+    double edge_load_work; /* J, in the step */
+    double tallied_work;   /* J, in the substeps of the step, of loads that are tallied and of forces of the caller */
+    double external_work;  /* J, of the latter with the velocities at the end of the last substep times its length */
+    pel_record *pressed; /* (vertex_count) N, pressures of a substep; null = their work is a difference of potentials */
+    double pressure_work;    /* J, of these in the substeps of the step */
     const uint8_t *is_plain; /* (body_count) set by the method: bodies whose loads never extrapolate; null = none */
     pel_follower *followers; /* (follower_count) null = none */
     int32_t follower_count;
@@ -95,10 +90,9 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
    loads that change in the step, and of all in second order. */
 void pel_loads_begin_tally(pel_sim *sim, double h);
 void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start);
-/* After the pressures of a substep are found; and the work of a body's pressure since the step began, where it depends
-   on the volume, which now is `volume` [m3]: 0 if no substep was taken. */
-void pel_loads_tally_pressure(pel_sim *sim);
-double pel_loads_pressure_work(const pel_sim *sim, int32_t body, double volume);
+/* Adds the pressures at the start of a substep, at positions that move with velocities; the tally has their work where
+   it is no difference of potentials: they change in time, or follow a surface. */
+void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *velocity, pel_span span);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. `h` [s]
    is the length of substeps whose new velocities move the positions, else 0. */

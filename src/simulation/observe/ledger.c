@@ -240,9 +240,6 @@ static double potential_work(pel_sim *sim, int32_t b, const pel_span spans[2])
     double after = is_moved || isnan(checked) ? pel_body_volume(sim->model, b, sim->state->position_next) : checked;
     sim->checked_volumes[b] = (double)NAN;
     *known = after;
-    /* a target that moves within the step has no potential */
-    if (pel_sim_projects_elements(sim) && body->shell->target.key_count > 1)
-        return pel_loads_pressure_work(sim, b, after);
     const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
     const bool falls = pel_loads_begin_at_once(sim) &&
                        pel_pressure_difference(body->shell, spans[0], factors[0], before, body->rest_volume) != 0;
@@ -284,6 +281,11 @@ static void add_pressure(pel_sim *sim, double time, double next)
     bool follows = false;
     double work = 0;
     pel_span spans[2];
+    /* pressures that move or follow a surface within the step have no potential */
+    if (sim->loads->pressed != NULL) {
+        sim->ledger->sums.work_pressure += sim->loads->pressure_work;
+        return;
+    }
     pel_loads_find_spans(sim, time, next, spans);
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
