@@ -33,8 +33,8 @@
 
 /* q is 1 up to the first ring of vertices, where the field of elements is poor, and falls linearly to 0 at the last */
 enum { LEAST_RINGS = 4, MOST_RINGS = 12 };
-/* over toughness / young, where strains of a tip that is about to grow are 0.38; of the root of the area of the body */
-#define REACH 1.1
+/* over toughness / young, where strains of a tip that is about to grow are 0.35; of the root of the area of the body */
+#define REACH 1.3
 #define MOST_REACH 0.2
 /* rad, within the surface: a corner of the border with more is a notch */
 #define LEAST_NOTCH (1.5 * 3.141592653589793 + 0.02)
