@@ -349,8 +349,9 @@ void pel_warnings_check_pressures(pel_run_state *run, int64_t frame)
         double given = body->shell != NULL ? pel_pressure_given(body->shell) : 0;
         const double square = (JUMP * ratio) * (JUMP * ratio);
         bool is_beyond = given > largest;
+        const double growth = pel_body_area(model, b, run->sim->state->position) / body->rest_area;
         if (frame > 0 && given > 0 && isfinite(largest))
-            is_beyond |= pel_body_area(model, b, run->sim->state->position) > cbrt(square) * body->rest_area;
+            is_beyond |= growth * growth * growth > square;
         if (!is_beyond)
             continue;
         if (run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count == 0)

@@ -538,34 +538,31 @@ void pel_loads_begin_tally(pel_sim *sim, double h)
     }
 }
 
-void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *velocity, pel_span span)
+/* N m, of the pressures of the substep on ways: from some positions to others, or of velocities over a time */
+static double work_on(const pel_sim *sim, const pel_record *from, const pel_record *to, const pel_record *velocity,
+                      double h)
+{
+    double work = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            work += (double)sim->loads->pressed[v][c] *
+                    (from != NULL ? (double)to[v][c] - (double)from[v][c] : h * (double)velocity[v][c]);
+    return work;
+}
+
+void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *before, const pel_record *velocity,
+                     pel_span span)
 {
     pel_record *pressed = sim->loads->pressed;
     const size_t count = (size_t)sim->model->vertex_count;
     if (pressed != NULL)
         memcpy(pressed, sim->force, count * sizeof *pressed);
     pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
-    double power = 0;
-    for (size_t v = 0; pressed != NULL && v < count; v++) {
+    if (pressed == NULL)
+        return;
+    for (size_t v = 0; v < count; v++)
         pressed[v] = sim->force[v] - pressed[v];
-        for (int c = 0; c < 3; c++)
-            power += (double)pressed[v][c] * (double)velocity[v][c];
-    }
-    sim->loads->pressure_work += 0.5 * span.ahead * power;
-}
-
-/* the other half of their work */
-static void tally_pressures(pel_sim *sim, double h, const pel_record *start)
-{
-    const pel_state *state = sim->state;
-    const pel_record *pressed = sim->loads->pressed;
-    double work = 0;
-    for (int32_t v = 0; pressed != NULL && v < sim->model->vertex_count; v++)
-        for (int c = 0; c < 3; c++)
-            work += (double)pressed[v][c] * (sim->solver.second_order
-                                                 ? h * (double)state->velocity_next[v][c]
-                                                 : (double)state->position_next[v][c] - (double)start[v][c]);
-    sim->loads->pressure_work += 0.5 * work;
+    sim->loads->pressure_work += 0.5 * work_on(sim, before, positions, velocity, span.ahead);
 }
 
 /* The mean of the velocities at both ends moves a load; in first order each of them is that of the way before it. */
@@ -577,7 +574,9 @@ void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start)
                                                   : external_work(sim, start, state->position_next);
     sim->loads->tallied_work += 0.5 * (external + sim->loads->external_work);
     sim->loads->external_work = external;
-    tally_pressures(sim, h, start);
+    if (sim->loads->pressed != NULL)
+        sim->loads->pressure_work +=
+            0.5 * work_on(sim, second_order ? NULL : start, state->position_next, state->velocity_next, h);
     span.extrapolates = false;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         pel_load *load = &sim->loads->items[l];

@@ -90,9 +90,11 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
    loads that change in the step, and of all in second order. */
 void pel_loads_begin_tally(pel_sim *sim, double h);
 void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start);
-/* Adds the pressures at the start of a substep, at positions that move with velocities; the tally has their work where
-   it is no difference of potentials: they change in time, or follow a surface. */
-void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *velocity, pel_span span);
+/* Adds the pressures at the start of a substep, at positions that have come from those `before` or, where that is null,
+   move with velocities; the tally has their work where it is no difference of potentials: they change in time, or
+   follow a surface. */
+void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *before, const pel_record *velocity,
+                     pel_span span);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. `h` [s]
    is the length of substeps whose new velocities move the positions, else 0. */

@@ -38,13 +38,15 @@ static pel_status create(pel_sim *sim, pel_error *error)
 }
 
 /* adds loads and pressure over a span to sim->force, which is 0: a substep clears it after use */
-static void find_forces(pel_sim *sim, pel_span span, const pel_record *positions, const pel_record *velocity)
+static void find_forces(pel_sim *sim, pel_span span, const pel_record *positions, bool is_first)
 {
+    const pel_state *state = sim->state;
+    const pel_record *before = is_first || sim->solver.second_order ? NULL : pel_project_substep_start(sim->projector);
     pel_loads_add(sim, span, positions, sim->force);
     pel_wind_add(sim, sim->force);
     /* positions are those of the start, and so is the volume that is asked for */
     const pel_span start = {.time = span.time - span.back, .ahead = span.back, .extrapolates = span.extrapolates};
-    pel_loads_press(sim, positions, velocity, start);
+    pel_loads_press(sim, positions, before, is_first ? state->velocity : state->velocity_next, start);
 }
 
 /* what may touch, or is rigid, starts in first order */
@@ -95,7 +97,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     projector->is_asleep = sim->asleep;
     pel_growth_follow(sim, (double)(number + 1) / count);
     const pel_record *positions = number == 0 ? state->position : state->position_next;
-    find_forces(sim, span, positions, number == 0 ? state->velocity : state->velocity_next);
+    find_forces(sim, span, positions, number == 0);
     pel_rigids_kick(sim, positions, h, projector->air);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     pel_rigids_drift(sim, h);
