@@ -157,6 +157,28 @@ static void test_work_of_what_jams(void **unused)
     }
 }
 
+/* Two balls that press a sheet between them, and go away again: what they are known to have put into its layers they
+   take out again, although they were held back between. */
+static void test_work_of_two_balls(void **unused)
+{
+    (void)unused;
+    static const char sheet[] =
+        "version: 1\nbodies:\n  - name: sheet\n    mesh: { shape: grid, nx: 20, ny: 20, size_x: 0.2, size_y: 0.2 }\n"
+        "    membrane: { preset: rubber }\n    pinned: boundary\ntools:\n"
+        "  - { name: up, shape: sphere, radius: 0.02, motion: [ { position: [0, 0, -0.03] }, { time: 0.3, position: "
+        "[0, 0, -0.015] }, { time: 0.6, position: [0, 0, -0.04] } ] }\n"
+        "  - { name: down, shape: sphere, radius: 0.02, motion: [ { position: [0.003, 0, 0.03] }, { time: 0.3, "
+        "position: [0.003, 0, 0.015] }, { time: 0.6, position: [0.003, 0, 0.04] } ] }\n"
+        "contact: { friction: 0.3 }\nduration: 0.5\n";
+    pel_run_summary summary;
+    run_scene(sheet, NULL, 0, NULL, 0, &summary);
+    const pel_sim_ledger *ledger = &summary.ledger;
+    print_message("%g of %g J lost, %g appeared\n", ledger->dissipated_solver, ledger->supplied, ledger->energy_error);
+    assert_non_null(find_warning(&summary, "tool-held-back"));
+    assert_true(ledger->energy_error < 0.05 * ledger->supplied);
+    assert_true(ledger->dissipated_solver < 0.1 * ledger->supplied);
+}
+
 /* A strip that is thrown out of its clamp swings far: gains of energy in many steps, each less than 1 %, do not add up.
  */
 static void test_thrown_strip(void **unused)
@@ -370,13 +392,21 @@ static void test_swinging_bag(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unresolved),       cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_work_in_substeps), cmocka_unit_test(test_struck_drum),
-        cmocka_unit_test(test_tool_that_stands), cmocka_unit_test(test_work_of_what_jams),
-        cmocka_unit_test(test_thrown_strip),     cmocka_unit_test(test_pressed_in_second_order),
-        cmocka_unit_test(test_touches_nothing),  cmocka_unit_test(test_unresolved_flutter),
-        cmocka_unit_test(test_damped_energy),    cmocka_unit_test(test_unresolved_bounce),
-        cmocka_unit_test(test_silent_bounce),    cmocka_unit_test(test_trampoline),
+        cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_work_in_substeps),
+        cmocka_unit_test(test_struck_drum),
+        cmocka_unit_test(test_tool_that_stands),
+        cmocka_unit_test(test_work_of_what_jams),
+        cmocka_unit_test(test_work_of_two_balls),
+        cmocka_unit_test(test_thrown_strip),
+        cmocka_unit_test(test_pressed_in_second_order),
+        cmocka_unit_test(test_touches_nothing),
+        cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),
+        cmocka_unit_test(test_unresolved_bounce),
+        cmocka_unit_test(test_silent_bounce),
+        cmocka_unit_test(test_trampoline),
         cmocka_unit_test(test_swinging_bag),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);

@@ -396,9 +396,18 @@ typedef struct tool_motion {
     bool is_known;
 } tool_motion;
 
+/* J, that tools are known to have put into what they touch: what one puts in another one may take out */
+static double given_by_all(const pel_sim *sim)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        sum += sim->ledger->given[t];
+    return sum;
+}
+
 /* Readings of methods with velocities are impulses over dt, means of the step; the others are forces at its end. What
    layers have stored in steps whose force was not known is not known either: until the tool touches nothing, neither is
-   what it takes out. */
+   what it takes out beyond what tools are known to have put in since they touched. */
 static void find_motion(const pel_sim *sim, int32_t t, tool_motion *motion)
 {
     const pel_tool_reading *before = &sim->ledger->tools[t];
@@ -412,7 +421,8 @@ static void find_motion(const pel_sim *sim, int32_t t, tool_motion *motion)
     rotation_between(before->rotation, motion->now.rotation, motion->rotation);
     motion->work = -pel_vec3_dot(motion->force, motion->shift) - pel_vec3_dot(motion->torque, motion->rotation);
     const pel_tool *tool = &sim->tools->items[t];
-    motion->is_known = !tool->is_held_back && !tool->is_doubtful && !(sim->ledger->owes[t] && motion->work < 0);
+    bool takes_more = motion->work < 0 && motion->work + sim->ledger->unsure.given < 0;
+    motion->is_known = !tool->is_held_back && !tool->is_doubtful && !(sim->ledger->owes[t] && takes_more);
 }
 
 static void add_tools(pel_sim *sim)
@@ -421,11 +431,13 @@ static void add_tools(pel_sim *sim)
         tool_motion motion;
         find_motion(sim, t, &motion);
         double closing = closing_work(sim, t);
-        if (motion.is_known)
+        if (motion.is_known) {
             sim->ledger->sums.work_tools += closing + motion.work;
-        else
+            sim->ledger->given[t] += closing + motion.work;
+        } else
             sim->ledger->unsure.most += fabs(closing);
         bool touches = motion.now.contact_count > 0 || motion.now.held_count > 0;
+        sim->ledger->given[t] = touches ? sim->ledger->given[t] : 0;
         sim->ledger->owes[t] = touches && (sim->ledger->owes[t] || !motion.is_known);
         sim->ledger->tools[t] = motion.now;
     }
@@ -444,7 +456,7 @@ static double remainder_at_present(pel_sim *sim)
 static void begin_unsure(pel_sim *sim)
 {
     pel_unsure_work *unsure = &sim->ledger->unsure;
-    *unsure = (pel_unsure_work){0};
+    *unsure = (pel_unsure_work){.given = given_by_all(sim)};
     for (int32_t t = 0; t < sim->tools->count && !sim->ledger->is_unread; t++) {
         tool_motion motion;
         find_motion(sim, t, &motion);
@@ -673,8 +685,9 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
     pel_ledger *ledger = sim->ledger;
     size_t body_count = (size_t)sim->model->body_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tools->count), PEL_ROOM(ledger->closings, sim->tools->count),
-                          PEL_ROOM(ledger->owes, sim->tools->count), PEL_ROOM(ledger->factors, body_count),
-                          PEL_ROOM(ledger->volumes, body_count), PEL_ROOM(sim->checked_volumes, body_count),
+                          PEL_ROOM(ledger->owes, sim->tools->count), PEL_ROOM(ledger->given, sim->tools->count),
+                          PEL_ROOM(ledger->factors, body_count), PEL_ROOM(ledger->volumes, body_count),
+                          PEL_ROOM(sim->checked_volumes, body_count),
                           PEL_ROOM(ledger->chunks, pel_slice_chunk_count(0, sim->model->slice_count))))
         return pel_fail_memory(error);
     pel_ledger_refill(sim);
@@ -684,7 +697,7 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 
 void pel_ledger_destroy(pel_sim *sim)
 {
-    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->closings, sim->ledger->owes, sim->ledger->factors,
+    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->closings, sim->ledger->owes, sim->ledger->given, sim->ledger->factors,
                  sim->ledger->volumes, sim->checked_volumes, sim->ledger->chunks);
 }
 
@@ -698,4 +711,5 @@ void pel_ledger_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
     pel_transfer(at, &ledger->is_started, sizeof ledger->is_started);
     pel_transfer(at, ledger->owes, (size_t)sim->tools->count);
+    pel_transfer(at, ledger->given, (size_t)sim->tools->count * sizeof *ledger->given);
 }

@@ -27,6 +27,7 @@ typedef struct pel_unsure_work {
     bool is_open;
     double most;      /* J, by the size of what was read */
     double remainder; /* J, before the step */
+    double given;     /* J, by all tools before the step */
 } pel_unsure_work;
 
 typedef struct pel_ledger {
@@ -41,6 +42,7 @@ typedef struct pel_ledger {
     pel_closing *closings;                /* (tool_count) */
     pel_unsure_work unsure;
     uint8_t *owes;                          /* (tool_count) it touches since a step in which its force was not known */
+    double *given;                          /* (tool_count) J, that it is known to have put in since it touched */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
     double *volumes;                        /* (body_count) m3, at the start of the step; NAN = unknown */
     pel_ledger_chunk *chunks;               /* scratch of the sums over vertices */
