@@ -384,6 +384,30 @@ static pel_status fail_walk(const walk *w, const char *what, const char *remedy,
     return pel_refuse(error, PEL_BAD_ARGUMENT, remedy, "the path %s at (%.4g, %.4g, %.4g)", what, x[0], x[1], x[2]);
 }
 
+/* m, from a point of the path to the nearest point of the surface */
+static double distance_off(const walk *w, int32_t point)
+{
+    double least = HUGE_VAL, weights[3];
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++) {
+        const int32_t *v = w->mesh->triangles[t];
+        const double(*x)[3] = (const double(*)[3])(void *)w->mesh->positions;
+        least = pel_min(least, pel_closest_point_triangle(w->points[point], x[v[0]], x[v[1]], x[v[2]], weights));
+    }
+    return sqrt(least);
+}
+
+/* no edge leads on from the tip, because the path leads off the surface or for want of room */
+static pel_status fail_ahead(const walk *w, int32_t tip, pel_error *error)
+{
+    const double *x = w->points[w->trace->failed_point], off = distance_off(w, w->trace->failed_point);
+    if (off > NEAR_BORDER * mean_edge(w, tip))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give points on the surface at rest",
+                          "the point (%.4g, %.4g, %.4g) of the path lies %.3g m off the surface", x[0], x[1], x[2],
+                          off);
+    return fail_walk(w, "finds no edge ahead",
+                     "keep it apart from itself and from the border, or refine the mesh there", error);
+}
+
 static void take(walk *w, const choice *best)
 {
     bool is_moved = pel_vec3_distance(w->mesh->positions[best->vertex], best->x) > 0;
@@ -423,8 +447,7 @@ static pel_status go(walk *w, pel_error *error)
         if (best.quality <= 0)
             look_ahead(w, tip, stop, 0, &best);
         if (best.quality <= 0)
-            return fail_walk(w, "finds no edge ahead",
-                             "keep it apart from itself and from the border, or refine the mesh there", error);
+            return fail_ahead(w, tip, error);
         take(w, &best);
         tip = best.vertex;
         if (!add_vertex(w, tip))
@@ -450,7 +473,8 @@ static pel_status begin(walk *w, pel_error *error)
     if (least > FAR_OFF * size) {
         const double *x = w->mesh->positions[start];
         fail_walk(w, "begins off the surface", "", error);
-        pel_fail_remedy(error, "begin on the surface; the nearest vertex is at (%.4g, %.4g, %.4g)", x[0], x[1], x[2]);
+        pel_fail_remedy(error, "begin on the surface, %.3g m away; the nearest vertex is at (%.4g, %.4g, %.4g)",
+                        distance_off(w, 0), x[0], x[1], x[2]);
         return PEL_BAD_ARGUMENT;
     }
     for (int32_t h = w->topology->corner_of_vertex[start]; h >= 0; h = turn(w, start, h)) {
