@@ -837,15 +837,29 @@ static bool is_positive_in_double(newton_run *run)
     return true;
 }
 
-/* the exact tangent at the end has a factor */
+/* The exact tangent at the end has a factor. A balance that stays as it was has the tangent of the last factor, bit for
+   bit, which serves again. */
 static bool is_stable(newton_run *run)
 {
+    pel_newton *newton = run->newton;
+    const pel_matrix *matrix = newton->matrix;
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     run->shift = 0;
     pel_newton_evaluate(run);
     pel_newton_assemble(run);
-    return run->status == PEL_OK && pel_newton_make_factor(run) && is_positive_in_double(run);
+    if (run->status != PEL_OK)
+        return false;
+    const size_t size = (size_t)matrix->block_start[matrix->block_count] * sizeof *matrix->values;
+    const uint64_t tangent = pel_hash_block(newton->couplings, matrix->values, size);
+    if (newton->is_proven && newton->proven == tangent) {
+        pel_newton_take_factor(run, newton->proven_precision);
+        return true;
+    }
+    newton->is_proven = pel_newton_make_factor(run) && is_positive_in_double(run);
+    newton->proven = tangent;
+    newton->proven_precision = newton->precision;
+    return newton->is_proven;
 }
 
 /* newton->step = the lowest mode of the exact tangent, its largest component 1: inverse iterations with the factor of

@@ -46,8 +46,11 @@ struct pel_newton {
     double (*rotations)[9]; /* (vertex_count) by rows: of the surroundings of vertices since then (carry.c) */
     bool is_carried;        /* the factor is carried along with them */
     bool is_kept;           /* the last system was solved with an older factor */
-    uint64_t couplings;     /* hash of those in the pattern */
-    int32_t (*coupled)[4];  /* (coupled_count) those in the pattern */
+    bool is_proven;         /* the last factor is that of a stable balance */
+    uint64_t proven;        /* hash of its exact tangent */
+    pel_factor_precision proven_precision;
+    uint64_t couplings;    /* hash of those in the pattern */
+    int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
     int32_t coupled_count;
     size_t coupled_capacity;
     int32_t (*owned)[4]; /* scratch: couplings with those of rigid bodies (rigid.c) */
@@ -171,6 +174,8 @@ void pel_newton_assemble(newton_run *run);
 bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot);
 /* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
 bool pel_newton_make_factor(newton_run *run);
+/* The factor of a precision is that of the present matrix. */
+void pel_newton_take_factor(newton_run *run, pel_factor_precision precision);
 /* A factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays.
  */
 bool pel_newton_make_preconditioner(newton_run *run);

@@ -403,17 +403,26 @@ void pel_newton_assemble(newton_run *run)
     pel_matrix_fix(newton->matrix, newton->pool, newton->fixed, newton->step, newton->right);
 }
 
+void pel_newton_take_factor(newton_run *run, pel_factor_precision precision)
+{
+    pel_newton *newton = run->newton;
+    newton->precision = precision;
+    newton->has_factor = true;
+    newton->is_prepared = newton->is_carried = false;
+    run->quasi_steps = 0;
+    pel_newton_forget_pairs(newton);
+}
+
 bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot)
 {
     pel_newton *newton = run->newton;
     pel_factor_result made =
         pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
     run->status = pel_pool_check(newton->pool, run->error);
-    newton->has_factor = made.positive_definite;
-    newton->is_prepared = newton->is_carried = false;
     newton->work += FACTOR_WORK;
-    run->quasi_steps = 0;
-    pel_newton_forget_pairs(newton);
+    newton->is_proven = false;
+    pel_newton_take_factor(run, newton->precision);
+    newton->has_factor = made.positive_definite;
     *pivot = made.pivot;
     return made.positive_definite;
 }
