@@ -31,6 +31,8 @@ enum { SWEEP_LIMIT = 100 };
 #define DEPTH_TOLERANCE 1e-5
 /* triangles this near to the tool's box, relative to the longest edge, may be pushed into it during a step */
 #define NEAR_MARGIN 0.25
+/* share of a point that vertices which can move have at least, where these carry it */
+#define LEAST_FREE 0.1
 
 static void record_add(pel_record *record, double scale, const double a[3])
 {
@@ -38,12 +40,21 @@ static void record_add(pel_record *record, double scale, const double a[3])
         (*record)[i] += (pel_real)(scale * a[i]);
 }
 
-/* a point of the surface: up to three vertices with weights */
+/* a point of the surface: three vertices with weights */
 typedef struct surface_point {
     const int32_t *vertices;
     const double *weights;
-    int count;
 } surface_point;
+
+void pel_tool_point(const pel_record *values, const int32_t vertices[3], const double weights[3], double point[3])
+{
+    double x[3];
+    pel_vec3_set(point, 0, 0, 0);
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(values, vertices[c], x);
+        pel_vec3_along(point, weights[c], x, point);
+    }
+}
 
 pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
@@ -77,7 +88,7 @@ static bool oppose_across(const double vector[3], const double normal[3], double
 
 static void change_velocity(pel_sim *sim, const surface_point *at, double impulse, const double direction[3])
 {
-    for (int c = 0; c < at->count; c++) {
+    for (int c = 0; c < 3; c++) {
         int32_t v = at->vertices[c];
         record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * pel_tool_mobility(sim, v), direction);
     }
@@ -86,13 +97,9 @@ static void change_velocity(pel_sim *sim, const surface_point *at, double impuls
 /* projection and implicit steps: removes the velocity of the point into the tool, and records the impulse */
 static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
 {
-    double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
-    for (int c = 0; c < at->count; c++) {
-        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
-        pel_vec3_along(point, at->weights[c], x, point);
-        pel_vertex_position(sim->state->velocity_next, at->vertices[c], x);
-        pel_vec3_along(relative, at->weights[c], x, relative);
-    }
+    double point[3], relative[3], moving[3];
+    pel_tool_point(sim->state->position_next, at->vertices, at->weights, point);
+    pel_tool_point(sim->state->velocity_next, at->vertices, at->weights, relative);
     pel_tool_velocity(tool, point, sim->step.dt, moving);
     pel_vec3_subtract(relative, moving, relative);
     double approach = -pel_vec3_dot(relative, normal);
@@ -118,20 +125,16 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
 static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *at, double depth, const double normal[3],
                       double inertia)
 {
-    double now[3] = {0, 0, 0}, start[3] = {0, 0, 0}, local[3], slip[3], back[3], x[3];
-    for (int c = 0; c < at->count; c++) {
-        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
-        pel_vec3_along(now, at->weights[c], x, now);
-        pel_vertex_position(sim->state->position, at->vertices[c], x);
-        pel_vec3_along(start, at->weights[c], x, start);
-    }
+    double now[3], start[3], local[3], slip[3], back[3];
+    pel_tool_point(sim->state->position_next, at->vertices, at->weights, now);
+    pel_tool_point(sim->state->position, at->vertices, at->weights, start);
     /* where the tool's point that is now there was when the step began */
     pel_pose_to_local(&tool->pose, now, local);
     pel_pose_to_world(&tool->pose_before, local, slip);
     pel_vec3_subtract(slip, start, slip);
     if (!oppose_across(slip, normal, pel_sim_friction(sim, tool, at->vertices[0]) * depth, back))
         return;
-    for (int c = 0; c < at->count; c++) {
+    for (int c = 0; c < 3; c++) {
         int32_t v = at->vertices[c];
         record_add(&sim->state->position_next[v], pel_tool_mobility(sim, v) * at->weights[c] / inertia, back);
     }
@@ -143,7 +146,7 @@ static bool push_rigid(pel_sim *sim, pel_tool *tool, const surface_point *at, do
     pel_rigid *rigid = pel_rigid_of(sim->rigids, at->vertices[0]);
     pel_rigid_sum sum;
     double push[3], point[3], speed[3], tool_speed[3];
-    pel_rigid_sum_set(&sum, sim->rigids, at->vertices, at->weights, at->count, sim->state->position_next);
+    pel_rigid_sum_set(&sum, sim->rigids, at->vertices, at->weights, 3, sim->state->position_next);
     double free = pel_rigid_sum_mobility(&sum, normal);
     if (free <= 0)
         return false;
@@ -164,22 +167,31 @@ static bool push_rigid(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         sim->tools->moved_at[v] = sim->tools->push_count;
     pel_vec3_scale(push, -1 / sim->step.dt, push);
     pel_tool_add_reaction(tool, point, push);
-    for (int c = 0; c < at->count; c++)
+    for (int c = 0; c < 3; c++)
         pel_tool_touch(tool, at->vertices[c]);
     return true;
+}
+
+double pel_tool_inertia(const pel_sim *sim, const int32_t vertices[3], const double weights[3])
+{
+    double inertia = 0, carried = 0;
+    for (int c = 0; c < 3; c++) {
+        const double mobility = pel_tool_mobility(sim, vertices[c]);
+        inertia += mobility * weights[c] * weights[c];
+        carried += mobility > 0 ? weights[c] : 0;
+    }
+    return carried < LEAST_FREE ? 0 : inertia;
 }
 
 /* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
 static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
 {
-    double inertia = 0;
     if (pel_rigid_of(sim->rigids, at->vertices[0]) != NULL)
         return push_rigid(sim, tool, at, depth, normal);
-    for (int c = 0; c < at->count; c++)
-        inertia += pel_tool_mobility(sim, at->vertices[c]) * at->weights[c] * at->weights[c];
+    const double inertia = pel_tool_inertia(sim, at->vertices, at->weights);
     if (inertia <= 0)
         return false;
-    for (int c = 0; c < at->count; c++) {
+    for (int c = 0; c < 3; c++) {
         int32_t v = at->vertices[c];
         double share = pel_tool_mobility(sim, v) * at->weights[c] / inertia * depth;
         if (share <= 0)
@@ -199,12 +211,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
 /* point of a triangle in the tool's frame */
 static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, const double weights[3], double point[3])
 {
-    double x[3];
-    pel_vec3_set(point, 0, 0, 0);
-    for (int c = 0; c < 3; c++) {
-        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
-        pel_vec3_along(point, weights[c], x, point);
-    }
+    pel_tool_point(sim->state->position_next, sim->model->triangles[t], weights, point);
     pel_pose_to_local(&tool->pose, point, point);
 }
 
@@ -242,7 +249,7 @@ static bool push_triangle(pel_sim *sim, pel_tool *tool, int32_t t, const double 
     pel_vec3_copy(normal, plane.normal);
     pel_tool_remember(sim, tool, &plane);
     pel_rotate(tool->pose.rotation, normal, way);
-    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, way);
+    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights}, depth, way);
 }
 
 static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, double tolerance)
@@ -404,8 +411,8 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
             continue;
         pel_rotate(tool->pose.rotation, plane->normal, way);
         pel_tool_remember(sim, tool, plane);
-        moved |= push_point(sim, tool, &(surface_point){sim->model->triangles[plane->triangle], plane->weights, 3},
-                            depth, way);
+        moved |=
+            push_point(sim, tool, &(surface_point){sim->model->triangles[plane->triangle], plane->weights}, depth, way);
     }
     return moved;
 }

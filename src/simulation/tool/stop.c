@@ -30,23 +30,13 @@ enum { LOOK_LIMIT = 8, SWEEP_LIMIT = 200 };
 /* difference of weights from which two points of a triangle are two */
 #define SAME_POINT 0.1
 
-static void point_of(const pel_stop *stop, const pel_record *positions, double point[3])
-{
-    double x[3];
-    pel_vec3_set(point, 0, 0, 0);
-    for (int c = 0; c < 3; c++) {
-        pel_vertex_position(positions, stop->vertices[c], x);
-        pel_vec3_along(point, stop->weights[c], x, point);
-    }
-}
-
 /* the plane that the point may not cross, from its depth at the end of the step and the way out in the tool's frame */
 static void place(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid, double depth, const double local[3],
                   pel_stop *stop)
 {
     double point[3], before[3], at[3], away[3];
-    point_of(stop, sim->state->position_next, point);
-    point_of(stop, sim->state->position, before);
+    pel_tool_point(sim->state->position_next, stop->vertices, stop->weights, point);
+    pel_tool_point(sim->state->position, stop->vertices, stop->weights, before);
     pel_rotate(tool->pose.rotation, local, stop->normal);
     pel_pose_to_local(&tool->pose_before, before, at);
     double start = pel_max(0, -pel_solid_distance(solid, at, away));
@@ -72,6 +62,9 @@ static void note(pel_sim *sim, const pel_tool *tool, int32_t t, const double wei
 {
     pel_stops *stops = &sim->tools->stops;
     const int32_t *vertices = sim->model->triangles[t];
+    const double inertia = pel_tool_inertia(sim, vertices, weights);
+    if (inertia <= 0)
+        return;
     int32_t known = stops->is_new ? stops->count : 0;
     while (known < stops->count && !is_same(&stops->items[known], vertices, weights))
         known++;
@@ -85,11 +78,7 @@ static void note(pel_sim *sim, const pel_tool *tool, int32_t t, const double wei
     }
     pel_stop *stop = &stops->items[known];
     pel_vec3_copy(weights, stop->weights);
-    stop->inertia = 0;
-    for (int c = 0; c < 3; c++)
-        stop->inertia += pel_tool_mobility(sim, vertices[c]) * weights[c] * weights[c];
-    if (!(stop->inertia > 0))
-        return;
+    stop->inertia = inertia;
     stops->count += known == stops->count;
     place(sim, tool, solid, depth, normal, stop);
 }
@@ -140,7 +129,7 @@ static void move(pel_sim *sim, const pel_stop *stop, const double way[3])
 static double relax(pel_sim *sim, const pel_tool *tool, pel_stop *stop)
 {
     double point[3], way[3], slip[3], friction = pel_sim_friction(sim, tool, stop->vertices[0]);
-    point_of(stop, sim->state->position_next, point);
+    pel_tool_point(sim->state->position_next, stop->vertices, stop->weights, point);
     double change = pel_max(stop->offset - pel_vec3_dot(stop->normal, point), -stop->push);
     stop->push += change;
     pel_vec3_scale(stop->normal, change, way);
@@ -208,7 +197,7 @@ static void act(pel_sim *sim, pel_tool *tool, const pel_stop *stop)
         pel_vec3_along(touch->push, share / stop->inertia * stop->push, stop->normal, touch->push);
     }
     pel_contact_act(sim, &action);
-    point_of(stop, sim->state->position_next, point);
+    pel_tool_point(sim->state->position_next, stop->vertices, stop->weights, point);
     remember(sim, tool, stop, point);
     pel_vec3_scale(action.force, -1, force);
     pel_tool_add_reaction(tool, point, force);
