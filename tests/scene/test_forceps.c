@@ -120,6 +120,25 @@ static void test_speed(void **unused)
     end(&r);
 }
 
+/* a cut shorter than the distance behind the tip at which forceps grasp: they take the inner lip as far as it goes, and
+   do not look for more around the ends of the cut for ever */
+static void test_short(void **unused)
+{
+    (void)unused;
+    run r;
+    pel_tool_reading reading;
+    check_begin(&r,
+                DISK_OF("[0.00217, 0.00125, 0], [0.00192, 0.0016, 0], [0.00125, 0.00217, 0]", LEAD, "0.0004", SOLVER));
+    go(r.sim, 1);
+    pel_tool *tool = &r.sim->tools->items[0];
+    assert_int_equal(tool->phase, PEL_GRASP_HOLDING);
+    tool->held_count = 0;
+    go(r.sim, 1);
+    pel_sim_get_tool(r.sim, 0, &reading);
+    assert_true(reading.contact_count > 0 && reading.contact_count < 30);
+    end(&r);
+}
+
 /* m, mean distance from the middle at rest of the triangles around a vertex, less its own */
 static double surplus(const pel_mesh *mesh, int32_t vertex)
 {
@@ -230,9 +249,9 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lead),     cmocka_unit_test(test_contact), cmocka_unit_test(test_speed),
-        cmocka_unit_test(test_lip),      cmocka_unit_test(test_end),     cmocka_unit_test(test_patch),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_lead),  cmocka_unit_test(test_contact),  cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_short), cmocka_unit_test(test_lip),      cmocka_unit_test(test_end),
+        cmocka_unit_test(test_patch), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

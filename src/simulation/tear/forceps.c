@@ -170,7 +170,8 @@ static bool is_inner(const forceps *f, int32_t half_edge)
     return (pel_vec3_dot(x, across) < 0) == (pel_vec3_dot(f->out, aside) > 0);
 }
 
-/* the vertex of the inner lip far enough behind the tip for a tool; -1 where the lip ends before */
+/* the vertex of the inner lip far enough behind the tip for a tool; where the lip ends before, at the other end of the
+   cut or at a border, its farthest one, if a tool has room there, or -1 */
 static int32_t find_grip(const forceps *f)
 {
     const pel_survey *s = f->survey;
@@ -178,14 +179,21 @@ static int32_t find_grip(const forceps *f)
     int32_t from = s->topology->corner_of_vertex[f->tip], to = pel_survey_last(s, f->tip), v = f->tip;
     bool is_from_inner = is_inner(f, from);
     double beyond = (EDGES_BEYOND + pel_survey_rings(f->survey, f->tip)) * edge_at_tip(f);
-    double far = pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), beyond);
-    for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h);) {
+    double most = GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), far = pel_max(most, beyond);
+    double other[3];
+    int32_t grip = -1;
+    for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h) && (grip < 0 || most < far);) {
         v = is_from_inner ? pel_half_edge_target(s->topology, h) : pel_half_edge_origin(s->topology, h);
-        if (pel_vec3_distance(body->mesh->positions[v], f->rest) >= far)
-            return v;
+        if (pel_survey_is_tip(s, v, other))
+            break;
+        double distance = pel_vec3_distance(body->mesh->positions[v], f->rest);
+        if (distance >= most) {
+            most = distance;
+            grip = v;
+        }
         h = is_from_inner ? s->topology->corner_of_vertex[v] : pel_survey_last(s, v);
     }
-    return -1;
+    return grip;
 }
 
 static bool holds(const pel_tool *tool, int32_t v)
