@@ -1,9 +1,9 @@
 """The same organ as a volume of tetrahedra and as a surface of springs, pressed by a ball: force, dent and time of both, and
 which springs reproduce the volume. Prints the table of docs/volumes.md and writes organ.svg; fit.json has the fit.
 
-    python3 examples/organ/organ.py FOLDER
+    build/venv/bin/python examples/organ/organ.py FOLDER
 
-needs the Python package, numpy and scipy (tools/venv), and takes some minutes.
+needs the Python package (make python), numpy and scipy, and takes some minutes.
 """
 
 import csv

@@ -69,6 +69,26 @@ static void test_bullet_implicit(void **unused)
     check_bullet(PEL_METHOD_IMPLICIT);
 }
 
+/* a step that is halved several times at once doubles the patience once; parts that grew too early do it again */
+static void test_halved_at_once(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = bullet(&scene, PEL_METHOD_XPBD);
+    const pel_parts_now *now = &pel_house_of(sim)->parts.now;
+    assert_int_equal(pel_parts_begin(sim, NULL), PEL_OK);
+    for (int n = 0; n < 4; n++)
+        assert_int_equal(pel_parts_halve(sim, NULL), PEL_OK);
+    assert_int_equal(now->size, PEL_PART_LIMIT / 16);
+    assert_int_equal(now->patience, 2 * PEL_LEAST_PATIENCE);
+    while (now->size == PEL_PART_LIMIT / 16)
+        pel_parts_accept(sim);
+    assert_int_equal(pel_parts_halve(sim, NULL), PEL_OK);
+    assert_int_equal(now->patience, 4 * PEL_LEAST_PATIENCE);
+    pel_parts_end(sim, PEL_DIVERGED);
+    scene_end(&scene, sim);
+}
+
 /* a snapshot knows how long parts are */
 static void check_snapshot(pel_method method)
 {
@@ -386,6 +406,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bullet),
+        cmocka_unit_test(test_halved_at_once),
         cmocka_unit_test(test_bullet_implicit),
         cmocka_unit_test(test_snapshot),
         cmocka_unit_test(test_snapshot_implicit),

@@ -171,7 +171,8 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
         return status;
     if (parts->now.calm == 0)
         parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
-    parts->now.calm = 0;
+    /* 0 = has just grown: what is halved several times at once was not grown too early */
+    parts->now.calm = 1;
     parts->now.size = sim->part.step_size / 2;
     set_size(sim, parts->now.size);
     return PEL_OK;
