@@ -56,69 +56,70 @@ const char *pel_everyday_word(const char *text, const char *const *known, size_t
     return NULL;
 }
 
+/* where a name stands for several keys, the first that is known is meant */
+static const char *const everyday_keys[][2] = {
+    {"e", "young"},
+    {"youngs", "young"},
+    {"youngs_modulus", "young"},
+    {"modulus", "young"},
+    {"nu", "poisson"},
+    {"poissons_ratio", "poisson"},
+    {"rho", "density"},
+    {"collision", "contact"},
+    {"collisions", "contact"},
+    {"self_collision", "self"},
+    {"forces", "loads"},
+    {"fixed", "pinned"},
+    {"pins", "pinned"},
+    {"constraints", "pinned"},
+    {"anchors", "pinned"},
+    {"time_step", "dt"},
+    {"timestep", "dt"},
+    {"steps", "duration"},
+    {"end_time", "duration"},
+    {"objects", "bodies"},
+    {"obstacles", "tools"},
+    {"colliders", "tools"},
+    {"inflate", "pressure"},
+    {"mu", "friction"},
+    {"fracture_energy", "toughness"},
+    {"fracture_toughness", "toughness"},
+    {"energy_release_rate", "toughness"},
+    {"gc", "toughness"},
+    {"g_c", "toughness"},
+    {"tear_strength", "strength"},
+    {"tensile_strength", "strength"},
+    {"type", "kind"},
+    {"pivot", "point"},
+    {"anchor", "point"},
+    {"joint", "joints"},
+    {"cells", "nx"},
+    {"resolution", "nx"},
+    {"resolution", "frequency"},
+    {"resolution", "slices"},
+    {"subdivisions", "frequency"},
+    {"subdivisions", "nx"},
+    {"width", "size_x"},
+    {"size", "size_x"},
+    {"length", "size_x"},
+    {"length", "height"},
+    {"diameter", "radius"},
+    {"position", "translate"},
+    {"center", "translate"},
+    {"centre", "translate"},
+    {"path", "file"},
+};
+
 const char *pel_everyday_key(const char *name, const char *const *known, size_t count)
 {
-    /* where a name stands for several keys, the first that is known is meant */
-    static const char *const keys[][2] = {
-        {"e", "young"},
-        {"youngs", "young"},
-        {"youngs_modulus", "young"},
-        {"modulus", "young"},
-        {"nu", "poisson"},
-        {"poissons_ratio", "poisson"},
-        {"rho", "density"},
-        {"collision", "contact"},
-        {"collisions", "contact"},
-        {"self_collision", "self"},
-        {"forces", "loads"},
-        {"fixed", "pinned"},
-        {"pins", "pinned"},
-        {"constraints", "pinned"},
-        {"anchors", "pinned"},
-        {"time_step", "dt"},
-        {"timestep", "dt"},
-        {"steps", "duration"},
-        {"end_time", "duration"},
-        {"objects", "bodies"},
-        {"obstacles", "tools"},
-        {"colliders", "tools"},
-        {"inflate", "pressure"},
-        {"mu", "friction"},
-        {"fracture_energy", "toughness"},
-        {"fracture_toughness", "toughness"},
-        {"energy_release_rate", "toughness"},
-        {"gc", "toughness"},
-        {"g_c", "toughness"},
-        {"tear_strength", "strength"},
-        {"tensile_strength", "strength"},
-        {"type", "kind"},
-        {"pivot", "point"},
-        {"anchor", "point"},
-        {"joint", "joints"},
-        {"cells", "nx"},
-        {"resolution", "nx"},
-        {"resolution", "frequency"},
-        {"resolution", "slices"},
-        {"subdivisions", "frequency"},
-        {"subdivisions", "nx"},
-        {"width", "size_x"},
-        {"size", "size_x"},
-        {"length", "size_x"},
-        {"length", "height"},
-        {"diameter", "radius"},
-        {"position", "translate"},
-        {"center", "translate"},
-        {"centre", "translate"},
-        {"path", "file"},
-    };
     const char *first = NULL;
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
-        if (strcasecmp(name, keys[i][0]) != 0)
+    for (size_t i = 0; i < sizeof everyday_keys / sizeof *everyday_keys; i++) {
+        if (strcasecmp(name, everyday_keys[i][0]) != 0)
             continue;
-        if (pel_is_among(keys[i][1], known, count))
-            return keys[i][1];
+        if (pel_is_among(everyday_keys[i][1], known, count))
+            return everyday_keys[i][1];
         if (first == NULL)
-            first = keys[i][1];
+            first = everyday_keys[i][1];
     }
     return first;
 }

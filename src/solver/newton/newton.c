@@ -842,7 +842,6 @@ static bool is_positive_in_double(newton_run *run)
 static bool is_stable(newton_run *run)
 {
     pel_newton *newton = run->newton;
-    const pel_matrix *matrix = newton->matrix;
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     run->shift = 0;
@@ -850,6 +849,7 @@ static bool is_stable(newton_run *run)
     pel_newton_assemble(run);
     if (run->status != PEL_OK)
         return false;
+    const pel_matrix *matrix = newton->matrix;
     const size_t size = (size_t)matrix->block_start[matrix->block_count] * sizeof *matrix->values;
     const uint64_t tangent = pel_hash_block(newton->couplings, matrix->values, size);
     if (newton->is_proven && newton->proven == tangent) {
