@@ -30,9 +30,9 @@
 #define NEAR_TOLERANCES 200
 /* of the forces on a body that may be left where it stays as it is: a tenth of the tolerance */
 #define REST_SHARE 1e-4
-/* steps between tries of a way that costs as much, by the square of the ratio more where it costs more; the first try
- */
-enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12 };
+/* steps between tries of a way that costs as much, by the square of the ratio more where it costs more; the first try;
+   evaluations or unknowns, below which steps are quick, and systems end nearer to the solution than one old factor */
+enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30, LEAST_UNKNOWNS = 2000 };
 /* of the cost of a step in its mean */
 #define MEAN_SHARE 0.5
 /* of a run of a step in time without constraints */
@@ -149,7 +149,9 @@ void pel_sim_newton_choose(pel_sim *sim)
     if (touches(sim))
         return;
     cost[newton->way] += (cost[newton->way] > 0 ? MEAN_SHARE : 1) * (work - cost[newton->way]);
-    int32_t first = may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
+    bool is_worth = newton->way == PEL_PREPARED || cost[newton->way] > LEAST_COST ||
+                    pel_newton_pattern(sim->newton)->unknown_count >= LEAST_UNKNOWNS;
+    int32_t first = is_worth && may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
     for (int32_t way = first; way < PEL_WAY_COUNT; way++)
         cheapest = cost[way] > 0 && cost[way] < cost[cheapest] ? way : cheapest;
     /* in turn, first the ways that have not been gone */
