@@ -92,19 +92,26 @@ double pel_pressure_potential(const pel_shell *shell, pel_span span, double load
     return given + 0.5 * def->bulk * rest_volume * ((ratio - target) * (ratio - target) - (1 - target) * (1 - target));
 }
 
+/* The corners of a triangle of a body. The order of a shell's triangles does not depend on the history of a refined
+   surface. */
+static void load_triangle(const pel_model *model, int32_t body, int32_t triangle, const pel_record *position,
+                          double x[3][3])
+{
+    const pel_shell *shell = model->bodies[body].shell;
+    const int32_t *v =
+        shell != NULL ? shell->corners[triangle] : model->triangles[pel_surface_triangle(model, body, triangle)];
+    for (int k = 0; k < 3; k++)
+        pel_vertex_position(position, v[k], x[k]);
+}
+
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
 {
     PEL_ASSERT_INDEX(body, model->body_count);
-    /* the order of a shell's triangles does not depend on the history of a refined surface */
-    const pel_shell *shell = model->bodies[body].shell;
-    double volume = 0, at[3];
+    double volume = 0, at[3], x[3][3];
     pel_vertex_position(position, model->bodies[body].model_index[0], at);
-    int32_t count = pel_surface_count(model, body);
+    const int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
-        const int32_t *v = shell != NULL ? shell->corners[i] : model->triangles[pel_surface_triangle(model, body, i)];
-        double x[3][3];
-        for (int k = 0; k < 3; k++)
-            pel_vertex_position(position, v[k], x[k]);
+        load_triangle(model, body, i, position, x);
         volume += pel_vec3_cone_volume(at, x[0], x[1], x[2]);
     }
     return volume;
@@ -113,14 +120,10 @@ double pel_body_volume(const pel_model *model, int32_t body, const pel_record *p
 double pel_body_area(const pel_model *model, int32_t body, const pel_record *position)
 {
     PEL_ASSERT_INDEX(body, model->body_count);
-    const pel_shell *shell = model->bodies[body].shell;
-    double area = 0;
+    double area = 0, x[3][3], along[3], across[3], normal[3];
     const int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
-        const int32_t *v = shell != NULL ? shell->corners[i] : model->triangles[pel_surface_triangle(model, body, i)];
-        double x[3][3], along[3], across[3], normal[3];
-        for (int k = 0; k < 3; k++)
-            pel_vertex_position(position, v[k], x[k]);
+        load_triangle(model, body, i, position, x);
         pel_vec3_subtract(x[1], x[0], along);
         pel_vec3_subtract(x[2], x[0], across);
         pel_vec3_cross(along, across, normal);

@@ -5,10 +5,11 @@
 #include <string.h>
 #include <strings.h>
 
+#define FLOOR "{ shape: box, size: [1, 1, 1], motion: [ { position: { below: lowest } } ] }"
+
 const char *pel_everyday_word(const char *text, const char *const *known, size_t count)
 {
-    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 1], motion: [ { position: { below: "
-                                     "lowest } } ] }";
+    static const char floor_tool[] = "a floor is a box: " FLOOR;
     static const char forceps[] = "forceps are a tool of any shape with the key `grasp`";
     static const struct {
         const char *text, *beside, *remedy;
@@ -127,8 +128,7 @@ const char *pel_everyday_key(const char *name, const char *const *known, size_t 
 const char *pel_everyday_thing(const char *name)
 {
     static const char picture[] = "a scene has no looks: `pellicle render` has --body-colors, --colors and --view";
-    static const char floor_tool[] = "a floor is a tool: { shape: box, size: [1, 1, 1], motion: [ { position: { below: "
-                                     "lowest } } ] }";
+    static const char floor_tool[] = "a floor is a tool: " FLOOR;
     static const char *const things[][2] = {
         {"floor", floor_tool},
         {"ground", floor_tool},
