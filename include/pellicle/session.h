@@ -46,8 +46,9 @@
 extern "C" {
 #endif
 
-/* Size of the longest command in bytes, including the terminating zero. */
-enum { PEL_SESSION_LINE = 512 };
+/* Sizes in bytes: of the longest command, including the terminating zero; of all commands that a session records, as a
+   scene has them (which can be read: it has a million values at most). */
+enum { PEL_SESSION_LINE = 512, PEL_SESSION_RECORD = 12 << 20 };
 
 typedef struct pel_session pel_session;
 
@@ -70,7 +71,8 @@ typedef struct pel_hand_reading {
 PEL_API pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session **session, pel_error *error);
 PEL_API void pel_session_destroy(pel_session *session);
 
-/* Executes and records a command. PEL_BAD_ARGUMENT names the wrong word; other errors are those of pellicle/live.h.
+/* Executes and records a command. PEL_BAD_ARGUMENT names the wrong word, or says that PEL_SESSION_RECORD bytes are
+   recorded, when only `release` and `mark` are executed; other errors are those of pellicle/live.h.
    Errors leave simulation and record unchanged. A ray that meets no body is no error and has no effect. */
 PEL_API pel_status pel_session_apply(pel_session *session, const char *line, pel_error *error);
 

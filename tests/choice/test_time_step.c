@@ -1,6 +1,8 @@
 /* The step of scenes that leave it to the program. */
 #include "scene/scene_run.h"
 
+#include "choice/time_step.h"
+
 #include <stdlib.h>
 
 #define RULER                                                                                                          \
@@ -28,6 +30,16 @@
     "    membrane: { young: 1.0e6, poisson: 0, thickness: 0.001, material: linear }\n"                                 \
     "    pinned: { box: { min: [-0.11, -1, -1], max: [-0.085, 1, 1] } }\n"
 #define AT_END "at: { box: { min: [0.0999, -1, -1], max: [0.1001, 1, 1] } }"
+#define WHILE "duration: 0.5\n"
+#define SLOW "keys: [[0, 0], [0.4, 1]]"
+#define PULL(when) "loads: [ { name: pull, force: [0.2, 0, 0], " when ", " AT_END " } ]\n" WHILE
+#define WEAK_PULL(force) "loads: [ { name: pull, force: [" force ", 0, 0], " AT_END " } ]\n" WHILE
+#define LIFT(when)                                                                                                     \
+    "    supports: [ { name: lift, fix: [x], displacement: [0.01, 0, 0], " when ", " AT_END " } ]\n" WHILE
+#define FLAT(inside)                                                                                                   \
+    "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.1 }\n"           \
+    "    membrane: { young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n    mass: { density: 1000 }\n"                    \
+    "    pressure: { inside: { " inside " } }\n"
 #define BALL                                                                                                           \
     "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
     "    membrane: { preset: steel-sheet }\n    bending: {}\n    pressure: { inside: 1000 }\n"
@@ -127,6 +139,56 @@ static void test_choice(void **unused)
     }
 }
 
+/* What starts vibrations: loads that begin or end at once within the run, weight that moves the body, pressures that
+   change, and supports that move, fast as measured by the vibration itself. */
+static void test_excited(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text, *by; /* null = nothing */
+        double frequency;      /* Hz */
+    } cases[] = {
+        {BAND PULL("from: 0.499"), "load 'pull'", 45.8},
+        {BAND PULL("from: 0.5"), NULL, 0},
+        {BAND PULL(SLOW ", until: 0.499"), "load 'pull'", 45.8},
+        {BAND PULL(SLOW ", until: 0.5"), NULL, 0},
+        {BAND PULL(SLOW ", until: 0.501"), NULL, 0},
+        {BAND PULL("keys: [[0, 1], [0.4, 1]]"), "load 'pull'", 45.8},
+        {BAND PULL("keys: [[0, 0], [0.1, 0], [0.4, 1]]"), NULL, 0},
+        /* ten periods */
+        {BAND PULL("keys: [[0, 0], [0.217, 1]]"), "load 'pull'", 45.8},
+        {BAND PULL("keys: [[0, 0], [0.22, 1]]"), NULL, 0},
+        {BAND LIFT("keys: [[0, 0], [0.2, 1], [0.3, 0]]"), "support 'band_lift'", 83.6},
+        {BAND LIFT("keys: [[0, 0], [0.1, 1]]"), "support 'band_lift'", 82.8},
+        {BAND LIFT("keys: [[0, 0], [0.13, 1]]"), NULL, 0},
+        {BAND LIFT("keys: [[0, 1], [0.4, 1]]"), "support 'band_lift'", 82.8},
+        {BAND LIFT("rotation: free"), NULL, 0},
+        /* rho g L^2 / (2 E) of a thousandth of the diagonal: 11 m/s^2 */
+        {BAND "gravity: [10.7, 0, 0]\n" WHILE, NULL, 0},
+        {BAND "gravity: [11.2, 0, 0]\n" WHILE, "gravity", 41.7},
+        /* a hundredth of the energy of the motion: F^2 L / (2 E A) of m v^2 / 2 */
+        {BAND "    velocity: [0.1, 0, 0]\n" WEAK_PULL("0.0072"), "load 'pull'", 45.8},
+        {BAND "    velocity: [0.1, 0, 0]\n" WEAK_PULL("0.0058"), "the motion at the start", 41.7},
+        {FLAT("keys: [[0, 0], [0.1, 10]]") WHILE, "the pressure", 99.5},
+        {FLAT("keys: [[0, 0], [0.101, 10]]") WHILE, NULL, 0},
+        {FLAT("keys: [[0, 10], [0.5, 10]]") WHILE, "the pressure", 99.5},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        pel_scene *scene = NULL;
+        pel_vibration found;
+        pel_error error = {0};
+        char message[1000];
+        if (pel_scene_parse("a.yaml", cases[c].text, strlen(cases[c].text), NULL, 0, NULL, &scene, &error) != PEL_OK)
+            print_error("%s\n", pel_error_text(&error, message, sizeof message));
+        assert_non_null(scene);
+        assert_int_equal(pel_scene_find_vibration(scene, 0, &found), PEL_OK);
+        const char *by = cases[c].by != NULL ? cases[c].by : "";
+        if (strcmp(found.excited.by, by) != 0 || fabs(found.excited.frequency - cases[c].frequency) > 0.1)
+            fail_msg("case %d: '%s', %g Hz", (int)c, found.excited.by, found.excited.frequency);
+        pel_scene_destroy(scene);
+    }
+}
+
 /* a dt that is half of what a simulation refuses */
 static void check_half(const pel_sim_def *scene, double *stable)
 {
@@ -209,7 +271,7 @@ static void test_solid_cost(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice), cmocka_unit_test(test_explicit),
-                                       cmocka_unit_test(test_solid_cost)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice), cmocka_unit_test(test_excited),
+                                       cmocka_unit_test(test_explicit), cmocka_unit_test(test_solid_cost)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -580,22 +580,6 @@ static void test_thread(void **unused)
     end_stage(&s);
 }
 
-static void test_quantiles(void **unused)
-{
-    (void)unused;
-    pel_haptic_latency late = {.count = 1000, .most = 0.0021};
-    late.bins[0] = 500;
-    late.bins[4] = 490;
-    late.bins[100] = 10;
-    assert_near(pel_haptic_latency_quantile(&late, 0.5), 1e-5, 1e-12);
-    assert_near(pel_haptic_latency_quantile(&late, 0.6), 5e-5, 1e-12);
-    assert_near(pel_haptic_latency_quantile(&late, 0.99), 5e-5, 1e-12);
-    assert_near(pel_haptic_latency_quantile(&late, 0.999), 0.0021, 1e-12);
-    const pel_haptic_latency two = {.count = 2, .most = 1e-4, .bins = {[3] = 1, [7] = 1}};
-    assert_near(pel_haptic_latency_quantile(&two, 0.5), 4e-5, 1e-12);
-    assert_near(pel_haptic_latency_quantile(&two, 1), 8e-5, 1e-12);
-}
-
 /* ---- memory ---- */
 
 static pel_status create_haptic(const void *data, pel_error *error)
@@ -644,7 +628,6 @@ int main(void)
                                        cmocka_unit_test(test_rotation_and_loss),
                                        cmocka_unit_test(test_tool_was_removed),
                                        cmocka_unit_test(test_thread),
-                                       cmocka_unit_test(test_quantiles),
                                        cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

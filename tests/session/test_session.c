@@ -128,6 +128,40 @@ static void test_many_marks(void **unused)
     end(&made);
 }
 
+/* A full record is told, with a remedy that helps: the hand can still let go, undo makes room, and the scene of the
+   session can be read. */
+static void test_full_record(void **unused)
+{
+    (void)unused;
+    play made = begin(text);
+    char line[PEL_SESSION_LINE], *scene;
+    int32_t count = 0;
+    bool done;
+    pel_error error;
+    apply(&made, "grab 0 -5 0.1  0 1 0  20 0.3");
+    snprintf(line, sizeof line, "inflate ball 0.5%0*d", 480, 0);
+    const size_t first = strlen("  - \"0 grab 0 -5 0.1 0 1 0 20 0.3\"\n"), each = strlen("  - \"0 \"\n") + strlen(line);
+    apply(&made, "mark");
+    while (pel_session_apply(made.session, line, &error) == PEL_OK)
+        count++;
+    assert_true(first + (size_t)count * each <= PEL_SESSION_RECORD);
+    assert_true(first + (size_t)(count + 1) * each + 24 > PEL_SESSION_RECORD);
+    assert_string_equal(error.what, "the session has recorded 12 MiB of commands, as many as a scene may repeat");
+    assert_string_equal(error.remedy, "save the session as a scene and reset, or undo");
+    apply(&made, "mark");
+    apply(&made, "release");
+    assert_int_equal(pel_session_scene(made.session, &scene, NULL), PEL_OK);
+    pel_scene *read = load_scene(scene, NULL, 0);
+    assert_int_equal(read->session_count, count + 2);
+    pel_scene_destroy(read);
+    pel_session_free_text(scene);
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    assert_int_equal(pel_session_apply(made.session, line, NULL), PEL_BAD_ARGUMENT);
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    apply(&made, line);
+    end(&made);
+}
+
 /* a hand that stays closed, and commands after an undo, are in the record too */
 static void test_run_repeats(void **unused)
 {
@@ -628,6 +662,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_undo_and_reset),
         cmocka_unit_test(test_many_marks),
+        cmocka_unit_test(test_full_record),
         cmocka_unit_test(test_run_repeats),
         cmocka_unit_test(test_mesh_tool),
         cmocka_unit_test(test_solid_tools),

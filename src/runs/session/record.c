@@ -23,9 +23,20 @@ void pel_session_events_clear(pel_session_events *events)
     *events = (pel_session_events){0};
 }
 
-pel_status pel_session_events_reserve(pel_session_events *events, pel_error *error)
+/* a hand can always let go */
+static bool has_room(const pel_session_events *events, const pel_command *command)
+{
+    return command->word == PEL_COMMAND_RELEASE ||
+           events->length + BEFORE + NUMBER + strlen(command->line) + BEHIND <= PEL_SESSION_RECORD;
+}
+
+pel_status pel_session_events_reserve(pel_session_events *events, const pel_command *command, pel_error *error)
 {
     void *text = events->text;
+    if (command->word != PEL_COMMAND_MARK && !has_room(events, command))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "save the session as a scene and reset, or undo",
+                          "the session has recorded %d MiB of commands, as many as a scene may repeat",
+                          (int)(PEL_SESSION_RECORD >> 20));
     if (!pel_reserve(&text, &events->room, events->length + BEFORE + NUMBER + PEL_SESSION_LINE + BEHIND + 1, 1))
         return pel_fail_memory(error);
     events->text = text;

@@ -17,8 +17,9 @@ typedef struct pel_session_events {
 void pel_session_events_clear(pel_session_events *events);
 /* Forgets the events from a length on. */
 void pel_session_events_cut(pel_session_events *events, size_t length);
-/* Room for a further event, before its command is executed. PEL_OUT_OF_MEMORY. */
-pel_status pel_session_events_reserve(pel_session_events *events, pel_error *error);
+/* Room for a further event, before its command is executed. PEL_BAD_ARGUMENT if the record is full; PEL_OUT_OF_MEMORY.
+ */
+pel_status pel_session_events_reserve(pel_session_events *events, const pel_command *command, pel_error *error);
 /* Adds a command, for which there is room; of the moves before a step the last one counts. */
 void pel_session_events_add(pel_session_events *events, int64_t step, const pel_command *command);
 /* Those of a session, for the file that keeps them. */

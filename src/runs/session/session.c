@@ -789,7 +789,7 @@ pel_status pel_session_apply(pel_session *session, const char *line, pel_error *
     bool done = false;
     pel_status status = pel_command_parse(line, &command, error);
     if (status == PEL_OK)
-        status = pel_session_events_reserve(&session->record, error);
+        status = pel_session_events_reserve(&session->record, &command, error);
     if (status != PEL_OK)
         return status;
     status = do_command(session, &command, &done, error);

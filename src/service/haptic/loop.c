@@ -41,7 +41,7 @@ static bool ask_for_priority(void)
     return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
 }
 
-static void book(pel_haptic_latency *latency, int64_t late)
+void pel_loop_book(pel_haptic_latency *latency, int64_t late)
 {
     int64_t bin = late / BIN;
     latency->bins[bin < PEL_HAPTIC_LATENCY_BINS ? bin : PEL_HAPTIC_LATENCY_BINS - 1]++;
@@ -58,7 +58,7 @@ static void *run(void *argument)
     while (!atomic_load_explicit(&loop->stop, memory_order_acquire)) {
         sleep_until(due);
         int64_t begin = clock_now();
-        book(latency, begin - due);
+        pel_loop_book(latency, begin - due);
         loop->function(loop->context, latency);
         int64_t end = clock_now(), missed = (end - due) / loop->period;
         latency->most_update = pel_max(latency->most_update, (double)(end - begin) / SECOND);

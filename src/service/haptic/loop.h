@@ -11,6 +11,8 @@ typedef void pel_loop_function(void *context, const pel_haptic_latency *latency)
 
 /* rate: Hz. PEL_OUT_OF_MEMORY when the thread cannot be had. */
 pel_status pel_loop_create(double rate, pel_loop_function *function, void *context, pel_loop **loop, pel_error *error);
+/* Books an update that started so many ns late. */
+void pel_loop_book(pel_haptic_latency *latency, int64_t late);
 /* after the present update; null is fine */
 void pel_loop_destroy(pel_loop *loop);
 
