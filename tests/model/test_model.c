@@ -192,6 +192,44 @@ static void test_refusals(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a triangle without an area: the remedy is a repair, or a scale where the areas of no triangle are numbers */
+static void test_areas(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double scale;
+        const char *what, *remedy;
+    } cases[] = {{1, "has no area", "check --fix"},
+                 {1e-49, "has no area", "check --fix"},
+                 {1e-200, "has no area: its mesh is 2e-200 m across", "scale: ..."},
+                 {1e200, "has no area: its mesh is 2e+200 m across", "scale: ..."}};
+    for (size_t c = 0; c < 2 * sizeof cases / sizeof *cases; c++) {
+        pel_mesh *mesh = make_sphere(2);
+        const double scale = cases[c / 2].scale;
+        for (int i = 0; i < 3 * mesh->vertex_count; i++)
+            mesh->positions[0][i] *= scale;
+        memcpy(mesh->positions[mesh->triangles[5][0]], mesh->positions[mesh->triangles[5][1]], sizeof *mesh->positions);
+        pel_body_def body = pel_body_def_default();
+        body.name = "ball";
+        body.mesh = mesh;
+        if (c % 2 == 0) {
+            body.mass_kind = PEL_MASS_TOTAL;
+        } else {
+            body.shell.membrane =
+                (pel_membrane_def){.kind = PEL_MEMBRANE_STVK, .young.value = 1e6, .thickness.value = 0.01};
+        }
+        pel_model_def def = pel_model_def_default();
+        def.bodies = &body;
+        def.body_count = 1;
+        pel_model *model;
+        pel_error error;
+        assert_int_equal(pel_model_create(&def, &model, &error), PEL_BAD_MESH);
+        if (strstr(error.what, cases[c / 2].what) == NULL || strstr(error.remedy, cases[c / 2].remedy) == NULL)
+            fail_msg("case %d: %s; %s", (int)c, error.what, error.remedy);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 static void test_curves(void **unused)
 {
     (void)unused;
@@ -241,6 +279,7 @@ int main(void)
         cmocka_unit_test(test_masses),
         cmocka_unit_test(test_total_by_area),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_areas),
         cmocka_unit_test(test_curves),
         cmocka_unit_test(test_curves_of_parameters),
     };

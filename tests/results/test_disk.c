@@ -36,7 +36,14 @@ static void test_bytes(void **unused)
     double every = strtod(strstr(error.remedy, "to ") + 3, NULL);
     need.frame_count *= 0.1 / every;
     assert_int_equal(check(&need, ".", &error), PEL_OK);
+    /* of folders that are not there counts the first one above; file systems without blocks say nothing */
     need.frame_count = 100;
+    static const char *const here[] = {"none/none", "/none", "/", "none"};
+    for (size_t i = 0; i < sizeof here / sizeof *here; i++)
+        assert_int_equal(check(&need, here[i], &error), PEL_BAD_SCENE);
+#if defined(__linux__)
+    assert_int_equal(check(&need, "/proc/self/none", &error), PEL_OK);
+#endif
     need.may_take_less = true;
     assert_int_equal(check(&need, ".", &error), PEL_OK);
     assert_non_null(strstr(told, "1e+11 GB, of "));

@@ -194,7 +194,7 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:46: error: bodies.0.springs.stiffness.keys.1.1 is out of range: -1 N/m. it must be >= 0 N/m"},
     {BALL "    springs: {stiffness: {keys: [[-2, 1]]}}\n", NULL,
      "a.yaml:5:35: error: bodies.0.springs.stiffness.keys.0.0 is out of range: -2 s. it must be >= 0 s"},
-    {BALL "solver: {dt: 0}\n", NULL, "a.yaml:5:14: error: solver.dt is out of range: 0 s. it must be > 0 s"},
+    {BALL "solver: {dt: 0}\n", NULL, "a.yaml:5:14: error: solver.dt is out of range: 0 s. it must be >= 1e-100 s"},
     {BALL, "bodies.0.mesh.frequency=0",
      "--set bodies.0.mesh.frequency=0: error: bodies.0.mesh.frequency is out of range: 0. it must be 1 to 5000"},
     {"version: 2\nwhat: 1\n", NULL, "a.yaml:1:10: error: version is out of range: 2. it must be 1"},
@@ -354,7 +354,7 @@ static const bad_scene bad_scenes[] = {
     {BALL, "solver.td=3", "--set solver.td=3: error: unknown key 'td'. did you mean 'dt'?"},
     {BALL, "solver.[]=3", "--set solver.[]=3: error: unknown key '[]'"},
     {BALL, "solver.dt=fast", "--set solver.dt=fast: error: solver.dt is 'fast', it must be: number"},
-    {BALL, "solver.dt=-1", "--set solver.dt=-1: error: solver.dt is out of range: -1 s. it must be > 0 s"},
+    {BALL, "solver.dt=-1", "--set solver.dt=-1: error: solver.dt is out of range: -1 s. it must be >= 1e-100 s"},
     {BALL, "solver.dt=[1", "--set solver.dt=[1: error: this is not YAML: "},
     {BALL, "solver.dt.x=1", "--set solver.dt.x=1: error: solver.dt has no keys below it"},
     {BALL, "gravity.1=1", "--set gravity.1=1: error: gravity has no keys below it. give the whole value"},
@@ -449,7 +449,7 @@ static void test_locations(void **unused)
     check_location(
         "    membrane: {preset: rubber}\n  - {name: thin, mesh: {shape: grid, size_x: 1e-200, size_y: 1e-200}, "
         "membrane: {preset: rubber}}\n",
-        "a.yaml: error: triangle 0: body 'thin': triangle has no area");
+        "a.yaml: error: triangle 0: body 'thin': triangle has no area: its mesh is 1e-200 m across");
     check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
                    "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
                    "a.yaml:7:3: error: ");

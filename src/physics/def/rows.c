@@ -850,7 +850,7 @@ static const pel_def_row rows[] = {
             "Default: xpbd if "
             "a body has a membrane or springs by `young`, as tissue has; implicit if xpbd would be too soft or slower; "
             "quasi-static if springs are given by a stiffness in N/m"},
-    {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", POSITIVE, DEFAULT(0.01),
+    {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", AT_LEAST(1e-100), DEFAULT(0.01),
      REFUSED("time is counted in steps of dt", "change substeps, or make a simulation with the new dt"),
      .doc = "length of a step. Default: 0.01, or output.every if that is shorter (explicit, xpbd, implicit); explicit: "
             "half "

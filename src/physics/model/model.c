@@ -231,8 +231,7 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
         const int32_t *v = mesh->triangles[t];
         double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
         if (!(area > 0 && isfinite(area)))
-            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh with `pellicle check --fix`",
-                                      "triangle has no area");
+            return pel_refuse_area(mesh, t, error);
         *total += area;
         for (int i = 0; i < 3; i++)
             areas[v[i]] += area / 3;

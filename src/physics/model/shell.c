@@ -9,6 +9,8 @@
 #include "measure/element.h"
 #include "model/quantity.h"
 
+#include "pellicle/mesh.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -374,6 +376,23 @@ static void load_corners(const pel_mesh *mesh, int32_t t, double x[3][3])
         memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
 }
 
+/* m, size of a mesh whose areas, and their squares, are numbers; its reciprocal likewise */
+#define LEAST_SIZE 1e-50
+
+pel_status pel_refuse_area(const pel_mesh *mesh, int32_t triangle, pel_error *error)
+{
+    double low[3], high[3], size = 0;
+    pel_mesh_box(mesh, low, high);
+    for (int k = 0; k < 3; k++)
+        size = high[k] - low[k] > size ? high[k] - low[k] : size;
+    bool has_areas = size > LEAST_SIZE && size < 1 / LEAST_SIZE;
+    return pel_refuse_element(error, PEL_BAD_MESH, "triangle", triangle,
+                              has_areas ? "repair the mesh with `pellicle check --fix`"
+                                        : "scale the mesh to metres: mesh: { ..., scale: ... }",
+                              has_areas ? "triangle has no area" : "triangle has no area: its mesh is %.3g m across",
+                              size);
+}
+
 static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error *error)
 {
     const pel_mesh *mesh = body->mesh;
@@ -382,8 +401,7 @@ static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error 
         pel_rest_triangle rest;
         load_corners(mesh, t, x);
         if (!pel_rest_triangle_setup((const double(*)[3])x, &rest))
-            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh with `pellicle check --fix`",
-                                      "triangle has no area");
+            return pel_refuse_area(mesh, t, error);
         for (int i = 0; i < 3; i++)
             shell->mean_edge += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
     }

@@ -244,6 +244,8 @@ static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, 
     return stencil;
 }
 
+/* PEL_BAD_MESH: the triangle has no area. */
+pel_status pel_refuse_area(const pel_mesh *mesh, int32_t triangle, pel_error *error);
 /* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */
 pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error);
 

@@ -36,8 +36,8 @@ double pel_run_frame_bytes(const pel_run_surface *surface, const pel_output_def 
     return (output->compress ? COMPRESSED : 1) * bytes + FRAME_TEXT + ROW_BYTES;
 }
 
-/* bytes that are free for the folder, or for the first one above that is there; infinite where the system does not tell
- */
+/* bytes that are free for the folder, or for the first one above that is there; infinite where the system does not
+   tell, as for file systems without blocks */
 static double free_bytes(const char *folder)
 {
     char path[PEL_RUN_FILE_SIZE];
@@ -45,12 +45,14 @@ static double free_bytes(const char *folder)
     snprintf(path, sizeof path, "%s", folder);
     while (statvfs(path, &disk) != 0) {
         char *slash = strrchr(path, '/');
-        if (slash == NULL || slash == path)
-            return statvfs(slash == path ? "/" : ".", &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize
-                                                                  : (double)HUGE_VAL;
-        *slash = '\0';
+        if (strcmp(path, "/") == 0 || strcmp(path, ".") == 0)
+            return (double)HUGE_VAL;
+        if (slash != NULL)
+            slash[slash == path] = '\0';
+        else
+            snprintf(path, sizeof path, ".");
     }
-    return (double)disk.f_bavail * (double)disk.f_frsize;
+    return disk.f_blocks > 0 ? (double)disk.f_bavail * (double)disk.f_frsize : (double)HUGE_VAL;
 }
 
 /* "1000 frames of 1.7 MB and 10 checkpoints of 2.2 MB take about 1.72 GB" */

@@ -63,13 +63,14 @@ pel_sim_def pel_sim_def_default(void)
 
 /* ---- creation ---- */
 
-/* iterations and substeps beyond which a step would seem to hang */
+/* iterations and substeps beyond which a step would seem to hang; s, whose square is a number also in substeps */
 enum { MOST_SWEEPS = 1000000 };
+#define SHORTEST_DT 1e-100
 
 static pel_status check_solver(const pel_solver_def *solver, pel_error *error)
 {
-    if (!(solver->dt > 0 && isfinite(solver->dt)))
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a time step above 0", "solver dt is %g", solver->dt);
+    if (!(solver->dt >= SHORTEST_DT && isfinite(solver->dt)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a time step from 1e-100 s on", "solver dt is %g", solver->dt);
     if (!(solver->alpha >= 0 && isfinite(solver->alpha)))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number above 0, or omit it for a stable value",
                           "solver alpha is %g", solver->alpha);
