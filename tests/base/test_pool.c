@@ -47,6 +47,41 @@ static void test_each_chunk_once(void **unused)
     }
 }
 
+typedef struct meeting {
+    atomic_int arrived;
+    int wanted;
+    bool missed;
+} meeting;
+
+/* each chunk waits for all others */
+static void meet(void *context, int32_t chunk)
+{
+    meeting *m = context;
+    (void)chunk;
+    atomic_fetch_add(&m->arrived, 1);
+    for (int i = 0; i < 60000 && atomic_load(&m->arrived) < m->wanted; i++)
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    if (atomic_load(&m->arrived) < m->wanted)
+        m->missed = true;
+}
+
+/* as many chunks as threads run at once, from two on */
+static void test_at_once(void **unused)
+{
+    (void)unused;
+    for (int threads = 2; threads <= 5; threads++) {
+        pel_pool *pool;
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        for (int wanted = 2; wanted <= threads; wanted++) {
+            meeting m = {.wanted = wanted};
+            pel_pool_run(pool, wanted, meet, &m);
+            assert_int_equal(atomic_load(&m.arrived), wanted);
+            assert_false(m.missed);
+        }
+        pel_pool_destroy(pool);
+    }
+}
+
 /* helpers that went to sleep between loops wake again */
 static void test_after_sleep(void **unused)
 {
@@ -157,7 +192,8 @@ static void test_stop_within(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_chunk_once), cmocka_unit_test(test_after_sleep),        cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_each_chunk_once), cmocka_unit_test(test_at_once),
+        cmocka_unit_test(test_after_sleep),     cmocka_unit_test(test_stop),
         cmocka_unit_test(test_stop_within),     cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Power failures: a run and a study are recorded, and what a disk may have after a failure at any moment is made from that: a
 name whose folder was not waited for may be there or not, in any combination that is tried here (none, all, each first few, each
-one alone), and bytes that were not waited for are lost. From each such folder the run goes on to the same end, or has its summary.
+one alone), with all that is below it, and bytes that were not waited for are lost. From each such folder the run goes on to the same end, or
+has its summary; what a command has left when it ends stays, whatever happens then.
 
 usage: power.py PROGRAM
 """
@@ -26,12 +27,15 @@ measure: { depth: max_displacement }
 """
 
 
+FOLDER = "folder"
+
+
 class Disk:
     """Names and bytes that are on the disk for certain, and names that may be."""
 
     def __init__(self, record, home):
         self.record, self.home = record, home
-        self.names, self.bytes, self.pending = {}, {}, []
+        self.names, self.bytes, self.pending, self.folders = {}, {}, [], set()
 
     def take(self, line):
         word, number, rest = (line.split(" ", 2) + [""])[:3]
@@ -44,9 +48,11 @@ class Disk:
         elif word == "all":
             tree = self.record / number
             self.names, self.pending = {}, []
-            for path in tree.rglob("*"):
-                if path.is_file():
-                    self.names[str(self.home / path.relative_to(tree))] = str(path)
+            for path in (tree, *tree.rglob("*")):
+                self.names[str(self.home / path.relative_to(tree))] = str(path) if path.is_file() else FOLDER
+        elif word == "made":
+            self.folders.add(rest)
+            self.pending.append((word, rest, FOLDER))
         elif word == "move":
             self.pending.append(("move", rest.split("\t")[1], number, rest.split("\t")[0]))
         else:
@@ -58,7 +64,13 @@ class Disk:
         for some in chosen:
             names = dict(self.names)
             apply(names, some)
-            yield {path: self.content(source) for path, source in names.items()}
+            yield self.state(names)
+
+    def state(self, names):
+        """the files, without those below a folder that is not there"""
+        lacks = [f"{folder}/" for folder in self.folders if folder not in names]
+        return {path: self.content(source) for path, source in names.items()
+                if source != FOLDER and not path.startswith(tuple(lacks))}
 
     def content(self, source):
         """The bytes of a copy or an inode; empty where nothing was waited for."""
@@ -85,7 +97,8 @@ def record(program, folder, library, arguments, home):
         for state in disk.states():
             files = {path: data for path, data in state.items() if path.startswith(f"{home}/") and not path.endswith((".tmp", "lock"))}
             seen.setdefault(tuple(sorted(files.items())), number)
-    return [(dict(state), number) for state, number in seen.items()]
+    certain = {os.path.relpath(path, home) for path in disk.state(disk.names)}
+    return [(dict(state), number) for state, number in seen.items()], certain
 
 
 def put(state, home):
@@ -106,7 +119,8 @@ def check_run(program, folder, library):
     subprocess.run([program, "run", "scene.yaml", "-o", "whole", "-q"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     wanted, rows = hash_of(folder / "whole"), (folder / "whole/series.csv").read_text().count("\n")
     status = json.loads((folder / "whole/summary.json").read_text())["status"]
-    states = record(program, folder, library, ["run", "scene.yaml", "-o", "run", "-q"], home)
+    states, certain = record(program, folder, library, ["run", "scene.yaml", "-o", "run", "-q"], home)
+    assert {"summary.json", "scene.yaml", "series.csv", "frames/f00004.vtp"} <= certain, certain
     resumed = finished = 0
     first = min((number for state, number in states if f"{home}/checkpoint" in state), default=None)
     assert first is not None
@@ -134,7 +148,8 @@ def check_study(program, folder, library):
     home = folder / "study"
     (folder / "scene.yaml").write_text(SCENE % "")
     (folder / "study.yaml").write_text(STUDY)
-    states = record(program, folder, library, ["sweep", "study.yaml", "-o", "study", "--jobs", "1", "-q"], home)
+    states, certain = record(program, folder, library, ["sweep", "study.yaml", "-o", "study", "--jobs", "1", "-q"], home)
+    assert any(path.startswith("rows/") for path in certain), certain
     table, most = (home / "runs.csv").read_text(), 0
     strip = lambda text: [line.split(",")[:3] for line in text.splitlines()]
     for state, _ in states:

@@ -101,6 +101,16 @@ int linkat(int from_folder, const char *from, int to_folder, const char *to, int
     return result;
 }
 
+int mkdir(const char *path, mode_t mode)
+{
+    char out[4200];
+    int (*call)(const char *, mode_t) = real("mkdir");
+    int result = call(path, mode);
+    if (result == 0)
+        note("made 0 %s", place(AT_FDCWD, path, out));
+    return result;
+}
+
 int rename(const char *from, const char *to)
 {
     char a[4200], b[4200];

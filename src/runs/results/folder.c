@@ -98,14 +98,14 @@ pel_status pel_run_folder_open(const char *folder, pel_error *error)
         if (*slash != '/' || slash[-1] == '/')
             continue;
         *slash = '\0';
-        bool made = make_folder(path) && pel_file_sync_folder(path);
+        bool made = make_folder(path);
         *slash = '/';
         if (!made)
             return fail_folder(folder, "cannot make the output folder", errno, error);
     }
     if (access(folder, W_OK | X_OK) != 0)
         return fail_folder(folder, "cannot write into the output folder", errno, error);
-    if (!make_folder(path) || !pel_file_sync_folder(path) || access(path, W_OK | X_OK) != 0)
+    if (!make_folder(path) || access(path, W_OK | X_OK) != 0)
         return fail_folder(path, "cannot write into the folder", errno, error);
     return write_mark(folder) ? PEL_OK : fail_folder(folder, "cannot write into the folder", errno, error);
 }
