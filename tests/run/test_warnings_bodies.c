@@ -22,12 +22,15 @@ static void test_millimetres(void **unused)
     overrides[0] = "bodies.0.mesh.scale=0.02";
     run_scene(large, overrides, 1, NULL, 1, &summary);
     assert_null(find_warning(&summary, "millimetres"));
-    /* a thick shell may be large; a thin one as large is doubtful */
-    const char *shell[] = {"bodies.0.mesh.radius=50", "bodies.0.membrane={ young: 1e6, thickness: 0.1 }",
+    /* a thick shell may be large; one of rubber and a thin one as large are doubtful */
+    const char *shell[] = {"bodies.0.mesh.radius=50", "bodies.0.membrane={ young: 3e10, thickness: 0.1 }",
                            "solver.method=pbd"};
     run_scene(SHELL, shell, 3, NULL, 1, &summary);
     assert_null(find_warning(&summary, "millimetres"));
-    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.001 }";
+    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.1 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+    shell[1] = "bodies.0.membrane={ young: 3e10, thickness: 0.001 }";
     run_scene(SHELL, shell, 3, NULL, 1, &summary);
     assert_non_null(find_warning(&summary, "millimetres"));
     /* the capsule of a lens of 9 m, and a weather balloon as large */
@@ -132,6 +135,27 @@ static void test_falls_away(void **unused)
     overrides[5] = "tools=[{ name: table, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.11] }] }]";
     run_scene(SHELL, overrides, 6, NULL, 0, &summary);
     assert_null(find_warning(&summary, "falls-away"));
+    /* one that it misses, in a scene of 0.5 m */
+    overrides[5] =
+        "tools=[{ name: table, shape: box, size: [0.1, 0.1, 0.1], motion: [{ position: [0.4, 0, -0.11] }] }]";
+    run_scene(SHELL, overrides, 6, NULL, 0, &summary);
+    assert_non_null(find_warning(&summary, "falls-away"));
+}
+
+/* a load that does not end, on a body that nothing holds; a kick sends it as far on purpose */
+static void test_pushed_away(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"loads=[{ force: [0.5, 0, 0] }]", "stop={ time: 0.6 }", "output.every_frame=100",
+                               "solver={ method: pbd, dt: 0.01 }", "bodies.0.pressure.inside=0"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 5, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "falls-away");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "body 'ball' was pushed 3."));
+    overrides[0] = "loads=[{ force: [2, 0, 0], until: 0.05 }]";
+    run_scene(SHELL, overrides, 5, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "falls-away"));
 }
 
 /* a scene in which nothing acts is told, not its rounding; so is a load that begins after the end */
@@ -153,6 +177,15 @@ static void test_nothing_acts(void **unused)
     assert_non_null(strstr(warning->text, "load 'push' begins at t = 3 s, and the run ends at 0.1 s"));
     run_scene(ball, &gravity, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "nothing-acts"));
+    /* energies of solids are rounded by their stiffness, and shells at rest do not vibrate */
+    const char *kinds[] = {"bodies.0.volume={ young: 1e4 }", "bodies.0.membrane={ preset: rubber }"};
+    for (int i = 0; i < 2; i++) {
+        run_scene("version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 } }]\n"
+                  "duration: 0.2\n",
+                  &kinds[i], 1, NULL, 0, &summary);
+        assert_int_equal(summary.warning_count, 1);
+        assert_non_null(find_warning(&summary, "nothing-acts"));
+    }
     /* a cut acts, though nothing moves */
     static const char sheet[] = "version: 1\nbodies: [{ name: sheet, mesh: { shape: grid, nx: 8, ny: 8 }, membrane: { "
                                 "preset: rubber }, pinned: boundary }]\nduration: 0.02\n";
@@ -288,9 +321,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
-        cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_nothing_acts),
-        cmocka_unit_test(test_surfaces_cross),     cmocka_unit_test(test_folds_cross),
-        cmocka_unit_test(test_lost_tie),           cmocka_unit_test(test_lost_follow),
+        cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_pushed_away),
+        cmocka_unit_test(test_nothing_acts),       cmocka_unit_test(test_surfaces_cross),
+        cmocka_unit_test(test_folds_cross),        cmocka_unit_test(test_lost_tie),
+        cmocka_unit_test(test_lost_follow),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

@@ -51,6 +51,8 @@ enum { JAM_STEPS = 10 };
 #define EXCESS_SHARE 0.05
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
+/* of the size of a mesh: borders nearer than that are a seam that a file has rounded */
+#define WIDE_SHARE 3e-5
 /* a run of as many steps shows a motion; steps of a quarter of a vibration, at the step that resolves it */
 enum { FEW_STEPS = 4, QUARTER = 10 };
 /* of a given step: one that would do is at most so long */
@@ -190,24 +192,25 @@ static pel_status check_start(pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* Borders that lie on each other and were not sewn: which belong together is not clear. What would be sewn as it is was
-   left open on purpose (mesh.weld). */
+/* Borders that lie on each other and were not sewn: which belong together is not clear, or they are a little apart.
+   What would be sewn as it is was left open on purpose (mesh.weld). */
 static pel_status check_seams(pel_run_state *run, int32_t b, pel_error *error)
 {
     const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
     int32_t count, *index_of = pel_allocate((size_t)mesh->vertex_count, sizeof *index_of);
-    const double gap = pel_seams_tolerance(mesh);
-    pel_seams seams;
+    const double gaps[] = {pel_seams_tolerance(mesh, PEL_SEAM_SHARE), pel_seams_tolerance(mesh, WIDE_SHARE)};
+    pel_seams seams[2] = {{0}};
     pel_status status = index_of != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
-    if (status == PEL_OK)
-        status =
-            pel_seams_find((const double(*)[3])mesh->positions, mesh->vertex_count,
-                           (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, gap, index_of, &count, &seams);
+    for (int i = 0; status == PEL_OK && i < 2; i++)
+        status = pel_seams_find((const double(*)[3])mesh->positions, mesh->vertex_count,
+                                (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, gaps[i], index_of, &count,
+                                &seams[i]);
     pel_free(index_of);
     if (status != PEL_OK)
         return pel_fail_memory(error);
-    if (seams.open_count > 0)
-        pel_warn_body(run, PEL_WARN_OPEN_SEAM, b, seams.open_count, gap);
+    const int32_t apart = seams[1].closed_count - seams[0].closed_count;
+    if (apart > 0 || seams[0].open_count > 0)
+        pel_warn_body(run, PEL_WARN_OPEN_SEAM, b, pel_max(apart, 0) + seams[0].open_count, gaps[apart > 0]);
     return PEL_OK;
 }
 
@@ -397,7 +400,7 @@ static void check_motion(pel_run_state *run, int64_t frame)
     }
     for (int32_t i = 0; i < scene->sim.joint_count; i++)
         moves &= isinf(scene->sim.joints[i].least) && isinf(scene->sim.joints[i].most);
-    if (!moves || !pel_scene_is_undamped(scene))
+    if (!moves || !(ledger->supplied > ledger->tolerance) || !pel_scene_is_undamped(scene))
         return;
     const double angle = pel_swing_angle(run);
     run->flagged[PEL_WARN_UNRESOLVED] = (pel_flagged_body){0, angle, 0};
@@ -411,14 +414,15 @@ static void check_motion(pel_run_state *run, int64_t frame)
 }
 
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
-   the last steps may have fallen to nothing. */
+   the last steps may have fallen to nothing; what gives way by itself, such as a net without bending, has none. */
 static bool is_idle(const pel_run_state *run, int32_t t)
 {
     const pel_tool_def *tool = &run->scene->sim.tools[t];
     pel_tool_reading reading;
     pel_sim_get_tool(run->sim, t, &reading);
     return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
-           reading.held_back_count == 0 && !(run->tool_force[run->tool_count + t] > 0);
+           reading.held_back_count == 0 && !(run->tool_force[run->tool_count + t] > 0) &&
+           (!pel_tool_is_at_surface(run, t) || pel_pinned_body_on_way(run, t) != NULL);
 }
 
 void pel_warnings_check_end(pel_run_state *run)
@@ -487,8 +491,8 @@ static void tell_open_seam(const pel_warning_text *at)
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_OPEN_SEAM, &name);
     snprintf(at->text, at->size,
              "body '%s' is open along %.0f edges where borders lie within %.2g m of each other and were not welded: "
-             "three or more meet there, or they run alike. weld the mesh: pellicle check FILE --fix OUT "
-             "--tolerance %.2g",
+             "they do not meet exactly, three or more meet there, or they run alike. weld the mesh: pellicle check "
+             "FILE --fix OUT --tolerance %.2g",
              name, flagged->value, flagged->limit, flagged->limit);
 }
 

@@ -1,14 +1,13 @@
 /* Warnings about bodies: what they are made of, what fills them, and whether anything acts on them. */
 #include "run/warnings_bodies.h"
 
-#include "base/memory.h"
 #include "math/bounds.h"
 #include "math/extremes.h"
+#include "math/record.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "model/model.h"
 #include "model/quantity.h"
-#include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
 #include "run/state.h"
 
@@ -21,12 +20,15 @@
 #define THINNEST_SIZE 1.0
 /* thickness over size from which no body is a shell */
 #define SOLID_SHARE 0.25
+/* Pa: nobody makes shells of more than 20 m of rubber or tissue */
+#define SOFT_YOUNG 1e8
 /* m: organs are smaller */
 #define LARGE_ORGAN 5.0
 /* of the size of a body: motion below is rounding */
 #define STILL_SHARE 1e-9
-/* sizes of the scene that a body may fall */
+/* sizes of the scene that a body may go, and one that a tool was to stop */
 #define FALL_SIZES 10
+#define MISS_SIZES 2
 /* kg/m3, of the filling that a text proposes */
 #define WATER 1000.0
 
@@ -54,7 +56,8 @@ static void check_size(pel_run_state *run, int32_t b)
     const pel_body_def *body = &run->scene->model.bodies[b];
     const pel_membrane_def *membrane = &body->shell.membrane;
     double size = pel_mesh_diagonal(body->mesh), share = mean_of(&membrane->thickness, body) / size;
-    bool is_thin = (size > PEL_LARGE_BODY && share <= THIN_SHARE) || (size > THINNEST_SIZE && share <= THINNEST_SHARE);
+    bool is_thin = (size > PEL_LARGE_BODY && (share <= THIN_SHARE || mean_of(&membrane->young, body) < SOFT_YOUNG)) ||
+                   (size > THINNEST_SIZE && share <= THINNEST_SHARE);
     if (membrane->on ? is_thin || share > SOLID_SHARE : size > LARGE_ORGAN)
         pel_warn_body(run, PEL_WARN_MILLIMETRES, b, size, 0);
 }
@@ -119,26 +122,47 @@ static double scene_size(const pel_scene *scene)
 static double way_of(const pel_run_state *run, int32_t b)
 {
     const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
-    size_t count = (size_t)pel_sim_vertex_count(run->sim, b);
-    double *positions = pel_allocate(3 * count, sizeof *positions), way[3] = {0};
-    if (positions == NULL)
-        return 0;
-    pel_sim_get_positions(run->sim, b, positions);
-    /* the vertices of the mesh come first */
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int c = 0; c < 3; c++)
-            way[c] += (positions[3 * (size_t)v + (size_t)c] - mesh->positions[v][c]) / mesh->vertex_count;
-    pel_free(positions);
+    const pel_model *model = run->sim->model;
+    double way[3] = {0}, x[3];
+    for (int32_t i = model->bodies[b].slice_begin * PEL_WIDTH; i < model->bodies[b].slice_end * PEL_WIDTH; i++) {
+        const int32_t v = model->mesh_vertex[i];
+        if (v < 0 || v >= mesh->vertex_count)
+            continue;
+        pel_vertex_position(run->sim->state->position, i, x);
+        pel_vec3_subtract(x, mesh->positions[v], x);
+        pel_vec3_along(way, 1.0 / mesh->vertex_count, x, way);
+    }
     return pel_vec3_length(way);
+}
+
+/* a load that neither ends nor fades pushes the body */
+static bool is_pushed(const pel_scene *scene, int32_t b)
+{
+    bool is = false;
+    for (int32_t i = 0; i < scene->sim.load_count; i++) {
+        const pel_load_def *load = &scene->sim.loads[i];
+        is |= load->body == b && isinf(load->until) && load->key_count == 0 && pel_vec3_length(load->force) > 0;
+    }
+    return is;
+}
+
+/* a tool that bodies land on, or miss */
+static bool has_floor(const pel_scene *scene)
+{
+    bool has = false;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        has |= scene->sim.tools[t].press && scene->sim.tools[t].shape != PEL_TOOL_SUPPORT;
+    return has;
 }
 
 static void check_falls(pel_run_state *run, int64_t frame)
 {
     const pel_model_def *model = &run->scene->model;
-    double size = scene_size(run->scene);
-    for (int32_t b = 0; b < model->body_count && pel_vec3_length(model->gravity) > 0; b++) {
-        double way = way_of(run, b);
-        if (way < FALL_SIZES * size || pel_vec3_length(model->bodies[b].velocity) > 0)
+    const bool falls = pel_vec3_length(model->gravity) > 0;
+    const double size = scene_size(run->scene), most = falls && has_floor(run->scene) ? MISS_SIZES : FALL_SIZES;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        double way = falls || is_pushed(run->scene, b) ? way_of(run, b) : 0;
+        if (!(way >= most * size) || pel_vec3_length(model->bodies[b].velocity) > 0)
             continue;
         if (run->totals.warnings.of[PEL_WARN_FALLS].count == 0)
             run->flagged[PEL_WARN_FALLS] = (pel_flagged_body){b, way, size};
@@ -247,10 +271,12 @@ void pel_tell_falls(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_FALLS, &name);
+    const bool falls = pel_vec3_length(at->run->scene->model.gravity) > 0;
     snprintf(at->text, at->size,
-             "body '%s' fell %.3g m, %.0f times the size of the scene: nothing holds it. pin it, put a tool under it, "
+             "body '%s' %s %.3g m, %.0f times the size of the scene: nothing holds it. pin it, put a tool %s it, "
              "or use a shorter duration",
-             name, flagged->value, flagged->value / flagged->limit);
+             name, falls ? "fell" : "was pushed", flagged->value, flagged->value / flagged->limit,
+             falls ? "under" : "before");
 }
 
 /* a load that begins later; null if there is none */

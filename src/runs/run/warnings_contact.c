@@ -5,11 +5,13 @@
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "math/pose.h"
+#include "math/record.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "pellicle/sim_contact.h"
 #include "run/state.h"
 #include "scene/build.h"
+#include "tool/tool.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -78,6 +80,8 @@ static double lag_of(const pel_run_state *run, const char *tool)
     return 0;
 }
 
+/* of the size of a body: a tool so far from it touches it */
+#define NEAR_SHARE 1e-3
 /* of a tool's motion, at which it is looked whether it is in pinned vertices */
 enum { WAY_POINTS = 64 };
 
@@ -127,6 +131,28 @@ static const char *pinned_body_between(const pel_run_state *run, int32_t t, doub
 const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t t)
 {
     return pinned_body_between(run, t, 0, pel_sim_time(run->sim));
+}
+
+bool pel_tool_is_at_surface(const pel_run_state *run, int32_t t)
+{
+    const pel_solid solid = pel_solid_of(&run->scene->sim.tools[t]);
+    const pel_model *model = run->sim->model;
+    bool any = false;
+    pel_tool_reading pose;
+    pel_sim_get_tool(run->sim, t, &pose);
+    for (int32_t b = 0; b < model->body_count && pel_solid_rows[run->scene->sim.tools[t].shape].depth != NULL; b++) {
+        const pel_solid grown = pel_solid_grown(&solid, NEAR_SHARE * model->bodies[b].diameter);
+        for (int32_t i = model->triangle_begin[b]; i < model->triangle_begin[b + 1] && !any; i++) {
+            double x[3][3], weights[3], normal[3];
+            for (int c = 0; c < 3; c++) {
+                pel_vertex_position(run->sim->state->position, model->triangles[i][c], x[c]);
+                pel_vec3_subtract(x[c], pose.position, x[c]);
+                pel_rotate_back(pose.rotation, x[c], x[c]);
+            }
+            any = pel_solid_depth(&grown, x[0], x[1], x[2], weights, normal) > 0;
+        }
+    }
+    return any;
 }
 
 /* the body whose pinned vertices alone were in the way of a tool when it was first held back, or null */

@@ -253,10 +253,9 @@ static void log_open(const pel_seams *seams, const pel_log *log)
                      (int)seams->open_count);
 }
 
-#define SEAM_SHARE 1e-6
 #define EDGE_SHARE 0.1
 
-double pel_seams_tolerance(const pel_mesh *mesh)
+double pel_seams_tolerance(const pel_mesh *mesh, double share)
 {
     double shortest = HUGE_VAL, tolerance;
     for (int32_t t = 0; t < mesh->triangle_count; t++)
@@ -268,7 +267,7 @@ double pel_seams_tolerance(const pel_mesh *mesh)
             const double length = pel_vec3_length(edge);
             shortest = length > 0 ? pel_min(shortest, length) : shortest;
         }
-    tolerance = pel_min(SEAM_SHARE * pel_mesh_diagonal(mesh), EDGE_SHARE * shortest);
+    tolerance = pel_min(share * pel_mesh_diagonal(mesh), EDGE_SHARE * shortest);
     return pel_weld_tolerance_allowed((const double(*)[3])mesh->positions, mesh->vertex_count, tolerance) ? tolerance
                                                                                                           : 0;
 }
@@ -283,7 +282,8 @@ pel_status pel_seams_weld(pel_mesh *mesh, int32_t **index_of, const pel_log *log
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(map, before), PEL_ROOM(first_of, before)))
         return pel_fail_memory(error);
     if (pel_seams_find((const double(*)[3])mesh->positions, before, (const int32_t(*)[3])mesh->triangles,
-                       mesh->triangle_count, pel_seams_tolerance(mesh), map, &count, &seams) != PEL_OK) {
+                       mesh->triangle_count, pel_seams_tolerance(mesh, PEL_SEAM_SHARE), map, &count,
+                       &seams) != PEL_OK) {
         PEL_FREE_ALL(map, first_of);
         return pel_fail_memory(error);
     }

@@ -21,9 +21,10 @@ pel_status pel_seams_find(const double (*positions)[3], int32_t vertex_count, co
                           int32_t triangle_count, double tolerance, int32_t *index_of, int32_t *count,
                           pel_seams *seams);
 
-/* Borders this far apart belong together: a millionth of the mesh, as far as files round coordinates, and at most a
-   tenth of its shortest edge; 0 = exactly equal where coordinates do not resolve that. */
-double pel_seams_tolerance(const pel_mesh *mesh);
+/* Borders this far apart belong together: a share of the size of the mesh, PEL_SEAM_SHARE as far as files round
+   coordinates, and at most a tenth of its shortest edge; 0 = exactly equal where coordinates do not resolve that. */
+#define PEL_SEAM_SHARE 1e-6
+double pel_seams_tolerance(const pel_mesh *mesh, double share);
 
 /* Welds the seams of a mesh within that tolerance, with a note in log (nullable) of what was welded and of what stays
    open. Positions and fields are those of the first vertex. seams is nullable. index_of: nullable; receives a block

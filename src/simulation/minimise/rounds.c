@@ -416,7 +416,7 @@ static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, dou
         return true;
     double tolerance = pel_minimise_is_in_motion(sim)
                            ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
-                           : tolerance_of(sim, loads);
+                           : pel_hypot(tolerance_of(sim, loads), LOAD_SHARE * round->held_force);
     return round->converged && (round->is_near || round->residual <= tolerance);
 }
 
@@ -692,7 +692,8 @@ static pel_status minimise_alone(pel_minimise_context *context, double loads, pe
             loads = measure_external(sim, context->span, sim->state->position_next);
         sim->minimise->step_acted = pel_max(sim->minimise->step_acted, acting_force(sim, loads));
         bool is_near = round.is_near || (is_dynamic && round.converged);
-        sum->converged = is_near || round.residual <= tolerance_of(sim, loads);
+        const double enough = pel_hypot(tolerance_of(sim, loads), problem.held_share * round.held_force);
+        sum->converged = is_near || round.residual <= enough;
         is_done = sum->converged || !round.converged || round.stuck;
         problem.goes_on = true;
     }

@@ -630,9 +630,22 @@ static double gas_energy(const pel_model *model)
     return sum;
 }
 
+/* J, of Young's modulus of tetrahedra over their volume: their energies are differences of numbers of this size */
+static double solid_energy(const pel_model *model)
+{
+    double sum = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        pel_rest_tetra rest;
+        for (int32_t t = 0; shell != NULL && t < shell->tetrahedron_count; t++)
+            sum += pel_filled_rest(shell, model->rest, t, &rest);
+    }
+    return sum;
+}
+
 /* half the largest stiffness times the square of the rounding of positions, the weight times that rounding and the
-   slack of contacts inside the solve, and the same share of the energy of gases. *moment [J s2]: half the mass times
-   the square of that rounding */
+   slack of contacts inside the solve, the same share of the energy of gases, and the rounding of that of solids.
+   *moment [J s2]: half the mass times the square of the first rounding */
 static double rounding_of(const pel_sim *sim, double *moment)
 {
     const pel_model *model = sim->model;
@@ -650,7 +663,7 @@ static double rounding_of(const pel_sim *sim, double *moment)
     double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
     *moment = 0.5 * mass * shift * shift;
     return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack) +
-           share * gas_energy(model);
+           share * gas_energy(model) + ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * solid_energy(model);
 }
 
 static bool has_any(const pel_real *numbers, int32_t count)
