@@ -48,6 +48,17 @@ static void test_text_of_each_place(void **unused)
     assert_string_equal(text_of(&error), "a.obj:12: error: vertex 7: 3 is odd. use 4");
     pel_fail_offset(&error, "b.stl", 84);
     assert_string_equal(text_of(&error), "b.stl:byte 84: error: vertex 7: 3 is odd. use 4");
+    /* the first of each */
+    pel_fail_offset(&error, "b.stl", 0);
+    pel_fail_element(&error, "vertex", 0);
+    assert_string_equal(text_of(&error), "b.stl:byte 0: error: vertex 0: 3 is odd. use 4");
+    pel_fail(&error, PEL_BAD_MESH, "%d is odd", 3);
+    pel_fail_place(&error, "a.obj", 1, 1);
+    assert_string_equal(text_of(&error), "a.obj:1:1: error: 3 is odd");
+    /* without an error or a text there is nothing to say */
+    assert_string_equal(text_of(NULL), "");
+    assert_string_equal(pel_error_text(&error, NULL, 10), "");
+    assert_string_equal(pel_error_text(NULL, NULL, 0), "");
 }
 
 /* The remedy is text: a % in it stands for itself. */

@@ -82,10 +82,38 @@ static void test_choice(void **unused)
     assert_int_equal(element_of("0.49", "0.07", "", NULL), PEL_VOLUME_LINEAR);
 }
 
+/* what springs carry, on both sides of the gravity under which a rod of the same modulus sags, or stretches, by a tenth
+   of its length: rho g (V / V) L (L / d)^2 2 / 3 / E and rho g L / (2 E), with d = 4 V / A */
+static void test_carried(void **unused)
+{
+    (void)unused;
+    const double length = 0.2, width = 0.03, density = 1300, young = 4e4;
+    const double depth = 4 * length * width * width / (4 * length * width + 2 * width * width);
+    const double bent = 0.1 * 1.5 * young * depth * depth / (density * length * length * length);
+    const double drawn = 0.1 * 2 * young / (density * length);
+    for (int i = 0; i < 8; i++) {
+        const double g = (i < 4 ? bent : drawn) * (i % 2 == 0 ? 0.98 : 1.02);
+        const double offset = i % 4 < 2 ? 0 : 5;
+        char text[600];
+        run r;
+        snprintf(
+            text, sizeof text,
+            "version: 1\ngravity: [%.17g, 0, %.17g]\nbodies: [{ name: beam, mesh: { shape: box, nx: 12, ny: 2, nz: 2, "
+            "size_x: 0.2, size_y: 0.03, size_z: 0.03, translate: [%g, 0, 0] }, mass: { density: 1300 }, "
+            "volumetric: { young: 4e4 }, pinned: { box: { min: [-1, -1, -1], max: [%g, 1, 1] } } }]\nduration: 1\n",
+            i < 4 ? 0 : g, i < 4 ? -g : 0, offset, offset - 0.09);
+        check_begin(&r, text);
+        if (pel_scene_is_carried(r.scene, r.model, 0) != (i % 2 == 1))
+            fail_msg("case %d: %g m/s^2", i, g);
+        end(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_beam),
+        cmocka_unit_test(test_carried),
         cmocka_unit_test(test_choice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

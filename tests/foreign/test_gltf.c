@@ -119,6 +119,12 @@ static void test_component_types(void **unused)
     mesh = parse_gltf(square_of(&file, UNSIGNED_BYTE, UNSIGNED_SHORT, true, 4), NULL);
     assert_near(mesh->positions[3][2], 127 / 255.0, 1e-15);
     pel_mesh_destroy(mesh);
+    /* of all whole numbers that a type may be */
+    for (int type = BYTE - 3; type <= FLOAT + 3; type++) {
+        bool is_type = (type >= BYTE && type <= UNSIGNED_SHORT) || type == UNSIGNED_INT || type == FLOAT;
+        if (!is_type)
+            refuse_gltf(square_of(&file, type, UNSIGNED_INT, false, 0), "component");
+    }
     refuse_gltf(square_of(&file, FLOAT, FLOAT, false, 0), "indices of component type 5126");
     refuse_gltf(square_of(&file, FLOAT, SHORT, false, 0), "indices of component type 5122");
 }

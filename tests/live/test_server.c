@@ -342,6 +342,31 @@ static const char *fetch(const char *path, const char *headers, char *answer, si
     return answer;
 }
 
+/* Whatever is answered stays in no cache, tells no other page the address, is taken for nothing else and in no frame.
+ */
+static void test_headers(void **unused)
+{
+    (void)unused;
+    static char answer[1 << 17];
+    static const char *const headers[] = {"cache-control: no-store", "referrer-policy: no-referrer",
+                                          "x-content-type-options: nosniff", "x-frame-options: DENY",
+                                          "connection: close"};
+    static const struct {
+        const char *path, *status;
+    } cases[] = {{"/?token=", "303"}, {"/none?token=", "404"}, {"/?token=0", "403"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[100], line[64];
+        snprintf(path, sizeof path, "%s%s", cases[i].path, token);
+        fetch(path, own_host(), answer, sizeof answer);
+        assert_memory_equal(answer + strlen("HTTP/1.1 "), cases[i].status, 3);
+        for (size_t h = 0; h < sizeof headers / sizeof *headers; h++) {
+            snprintf(line, sizeof line, "\r\n%s\r\n", headers[h]);
+            if (strstr(answer, line) == NULL)
+                fail_msg("%s: no '%s'", cases[i].status, headers[h]);
+        }
+    }
+}
+
 /* the token goes from the address into a cookie, which lets in alone; the page may run its own scripts only */
 static void test_cookie(void **unused)
 {
@@ -716,10 +741,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_who_may_come),    cmocka_unit_test(test_first_messages),
         cmocka_unit_test(test_drag_undo_reset), cmocka_unit_test(test_rude_pages),
-        cmocka_unit_test(test_cookie),          cmocka_unit_test(test_idle_sockets),
-        cmocka_unit_test(test_bad_frames),      cmocka_unit_test(test_long_stages),
-        cmocka_unit_test(test_port_is_taken),   cmocka_unit_test(test_all_addresses),
-        cmocka_unit_test(test_descriptors),     cmocka_unit_test(test_most_pages),
+        cmocka_unit_test(test_headers),         cmocka_unit_test(test_cookie),
+        cmocka_unit_test(test_idle_sockets),    cmocka_unit_test(test_bad_frames),
+        cmocka_unit_test(test_long_stages),     cmocka_unit_test(test_port_is_taken),
+        cmocka_unit_test(test_all_addresses),   cmocka_unit_test(test_descriptors),
+        cmocka_unit_test(test_most_pages),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }
