@@ -68,6 +68,8 @@ typedef struct pel_rigid_def {
     double mass;      /* kg of the body, in place of the density; 0 (default) = by density */
     double thickness; /* m, of the sheet that the triangles are, also of a closed mesh, which then is hollow; 0
                          (default) = the mesh is filled, and has to be closed */
+    bool sphere; /* a ball: mass and inertia of the sphere through the vertices, which it collides as; methods xpbd,
+                    pbd, pbd-distance and explicit; default: false */
 } pel_rigid_def;
 
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */

@@ -98,7 +98,7 @@ static void test_far_turns(void **state)
         for (int k = 0; k < 4; k++)
             cosine += before[k] * after[k];
         turned += 2 * acos(fmin(fabs(cosine), 1));
-        if (!pel_rigid_row_is_of(&rows[0], vertices[0], weights[0])) {
+        if (!pel_rigid_row_is_of(&rows[0], vertices[0], weights[0], weights[0])) {
             make_rows(&p, rows);
             anew++;
         }
@@ -193,9 +193,9 @@ static void test_kinds(void **state)
     for (int k = 0; k < 3; k++)
         assert_true(place[k] == sum.value[k]);
     assert_true(pel_rigid_row_mobility(&row, push) == 0);
-    assert_true(pel_rigid_row_is_of(&row, vertices[0], weights[0]));
-    assert_false(pel_rigid_row_is_of(&row, vertices[0], other));
-    assert_false(pel_rigid_row_is_of(&row, mixed, weights[0]));
+    assert_true(pel_rigid_row_is_of(&row, vertices[0], weights[0], weights[0]));
+    assert_false(pel_rigid_row_is_of(&row, vertices[0], other, weights[0]));
+    assert_false(pel_rigid_row_is_of(&row, mixed, weights[0], weights[0]));
     end_pair(&p);
 }
 

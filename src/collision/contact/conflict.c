@@ -35,6 +35,10 @@ typedef struct check {
 static double closest_at(const double (*x)[3], const pel_collision *hit, double weights[4])
 {
     const int32_t *v = hit->vertices;
+    if (!hit->edge_edge && pel_contact_are_balls(v)) {
+        pel_vec3_set(weights, 1, 0, 0);
+        return pel_vec3_distance(x[v[0]], x[v[1]]);
+    }
     double square = hit->edge_edge ? pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights)
                                    : pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights);
     return sqrt(square);
@@ -48,41 +52,7 @@ static double distance_at(const double (*x)[3], const pel_collision *hit)
 
 double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit)
 {
-    return distance_at((const double(*)[3])set->start, hit);
-}
-
-/* what both sides have in common brings them no nearer: closest points are means of the points of either side */
-double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit)
-{
-    wide4 way[4];
-    double most = 0;
-    int middle = hit->edge_edge ? 2 : 1;
-    /* points are read four numbers at once */
-    for (int i = 0; i < 4; i++) {
-        wide4 start, end;
-        memcpy(&start, set->start[hit->vertices[i]], sizeof start);
-        memcpy(&end, set->end[hit->vertices[i]], sizeof end);
-        way[i] = end - start;
-    }
-    for (int i = 0; i < middle; i++)
-        for (int j = middle; j < 4; j++) {
-            wide4 apart = way[i] - way[j], squares = apart * apart;
-            double square = squares[0] + squares[1] + squares[2];
-            most = square > most ? square : most;
-        }
-    return sqrt(most);
-}
-
-double pel_contact_longest_way(const pel_contact_set *set)
-{
-    double square = 0;
-    for (int32_t p = 0; p < set->point_count; p++) {
-        double way[3];
-        pel_vec3_subtract(set->end[p], set->start[p], way);
-        double own = pel_vec3_squared_length(way);
-        square = own > square ? own : square;
-    }
-    return sqrt(square);
+    return distance_at((const double(*)[3])set->start, hit) - pel_contact_pair_radius(set, hit->vertices);
 }
 
 double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *conflict)
@@ -113,31 +83,15 @@ static double guarded_of(const pel_contact_set *set, const pel_collision *hit)
     return pel_contact_pair_share(set, hit->vertices) * set->guarded;
 }
 
-/* places of a pair after a share of the way */
-static void place_between(const pel_contact_set *set, const pel_collision *hit, double share, double x[4][3])
-{
-    for (int i = 0; i < 4; i++) {
-        int32_t v = hit->vertices[i];
-        const pel_rigid *rigid = v < set->vertex_count ? pel_rigid_of(set->def.rigids, v) : NULL;
-        if (rigid != NULL && share > 0 && share < 1)
-            pel_rigid_place_between(rigid, set->def.rigids, v, share, x[i]);
-        else
-            for (int k = 0; k < 3; k++)
-                x[i][k] = share < 1 ? set->start[v][k] + share * (set->end[v][k] - set->start[v][k]) : set->end[v][k];
-    }
-}
-
 /* in how many parts the path of a pair is tested again; 0 = it is straight */
 static int count_parts(const pel_contact_set *set, const pel_collision *hit)
 {
-    int knots = 0, parts = 0;
-    for (int i = 0; i < 4 && set->def.rigids != NULL; i++) {
+    int knots = pel_contact_count_knots(set, hit->vertices), parts = 0;
+    for (int i = 0; i < 4 && knots > 0; i++) {
         int32_t v = hit->vertices[i];
         const pel_rigid *rigid = v < set->vertex_count ? pel_rigid_of(set->def.rigids, v) : NULL;
-        if (rigid == NULL)
-            continue;
-        knots = rigid->path_count + 1 > knots ? rigid->path_count + 1 : knots;
-        parts = (int)pel_max(parts, pel_min(ceil(pel_rigid_turned(rigid) / TURN), MOST_PARTS));
+        if (rigid != NULL)
+            parts = (int)pel_max(parts, pel_min(ceil(pel_rigid_turned(rigid) / TURN), MOST_PARTS));
     }
     return knots > 0 ? (parts + knots - 1) / knots * knots : 0;
 }
@@ -148,7 +102,7 @@ static bool turns_free(const pel_contact_set *set, const pel_collision *hit, dou
     static const int32_t points[4] = {0, 1, 2, 3};
     double x[2][5][3] = {{{0}}};
     int count = count_parts(set, hit);
-    place_between(set, hit, 0, x[0]);
+    pel_contact_place_between(set, hit->vertices, 0, x[0]);
     pel_ccd_batch batch = {.points = points,
                            .query_count = 1,
                            .edge_edge = hit->edge_edge,
@@ -160,7 +114,7 @@ static bool turns_free(const pel_contact_set *set, const pel_collision *hit, dou
         int32_t number;
         batch.start = x[i % 2][0];
         batch.end = x[1 - i % 2][0];
-        place_between(set, hit, (i + 1.0) / count, x[1 - i % 2]);
+        pel_contact_place_between(set, hit->vertices, (i + 1.0) / count, x[1 - i % 2]);
         if (pel_ccd_solve_batch(&batch, &number, &impact, &statistics) > 0)
             return false;
     }
@@ -207,6 +161,8 @@ static bool ends_crossed(const pel_contact_set *set, const pel_collision *hit)
 /* impact of what the guard minds */
 static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision *hit)
 {
+    if (pel_contact_pair_radius(set, hit->vertices) > 0)
+        return pel_contact_ball_impact(set, hit, guarded_of(set, hit));
     pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
     double distance = pel_contact_start_distance(set, hit), approach = pel_contact_longest_approach(set, hit);
     double separation = pel_min(guarded_of(set, hit), APPROACH * distance);
@@ -264,7 +220,7 @@ static double volume_at(const double (*x)[3], const int32_t v[4])
 static bool ends_free(const pel_contact_set *set, const pel_collision *hit)
 {
     const double(*start)[3] = (const double(*)[3])set->start, (*end)[3] = (const double(*)[3])set->end;
-    double weights[4], distance = closest_at(end, hit, weights);
+    double weights[4], distance = closest_at(end, hit, weights) - pel_contact_pair_radius(set, hit->vertices);
     bool is_inside = !hit->edge_edge && pel_min(weights[0], pel_min(weights[1], weights[2])) > 0;
     bool is_behind = is_inside && volume_at(start, hit->vertices) * volume_at(end, hit->vertices) < 0;
     return distance > guarded_of(set, hit) && !is_behind;
@@ -299,6 +255,8 @@ pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_
             continue;
         status = add_hit(set, hit, impact->hit.time_of_impact, error);
     }
+    if (status == PEL_OK)
+        status = pel_contact_ball_conflicts(set, error);
     return status == PEL_OK ? pel_contact_round_conflicts(set, error) : status;
 }
 
@@ -313,5 +271,7 @@ pel_status pel_contact_look(pel_contact_set *set, pel_error *error)
     set->way_is_searched = false;
     pel_status status = pel_collider_detect(set->collider, &query, &found, error);
     pel_contact_count_search(set, &found);
+    if (status == PEL_OK)
+        status = pel_contact_balls_join(set, set->guarded, false, &found, error);
     return status == PEL_OK ? pel_contact_find_conflicts(set, &found, error) : status;
 }

@@ -45,6 +45,12 @@ double pel_contact_pair_thickness(const pel_contact_set *set, const int32_t poin
     return pel_contact_pair_share(set, points) * pel_contact_thickness(set, group[points[0]], group[points[3]]);
 }
 
+bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4])
+{
+    const int32_t *group = set->group_of_point;
+    return set->asleep_count > 0 && set->is_asleep[group[points[0]]] && set->is_asleep[group[points[3]]];
+}
+
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
 {
     PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);

@@ -50,7 +50,10 @@ double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair
     double *w = pair->hit.weight, way[3] = {0, 0, 0};
     if (pair->edge_edge)
         pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w);
-    else {
+    else if (pel_contact_are_balls(v)) {
+        w[0] = w[1] = 1;
+        w[2] = w[3] = 0;
+    } else {
         w[0] = 1;
         pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w + 1);
     }

@@ -256,6 +256,23 @@ static int32_t border_of(const refresh_job *job, const pel_contact_key *key, con
     return PEL_NO_BORDER;
 }
 
+/* the same of two balls, by their middles */
+static void look_at_balls(double x[4][3], const pel_contact *contact, pel_contact_key *key, double weights[4],
+                          double normal[3])
+{
+    double way[3], length;
+    key->border = PEL_NO_BORDER;
+    key->is_off = key->has_side = false;
+    for (int i = 0; i < 4; i++)
+        weights[i] = i == 0 ? 1 : i == 1 ? -1 : 0;
+    for (int k = 0; k < 3; k++)
+        normal[k] = (double)contact->normal[k];
+    pel_vec3_subtract(x[0], x[1], way);
+    length = pel_vec3_length(way);
+    if (pel_vec3_dot(way, normal) > 0)
+        pel_vec3_scale(way, 1 / length, normal);
+}
+
 /* weights and normal of a vertex before a triangle */
 static void look_at_face(const refresh_job *job, double x[4][3], const pel_contact *contact, pel_contact_key *key,
                          double weights[4], double normal[3])
@@ -361,7 +378,7 @@ static double set_obstacle_share(const pel_contact_set *set, const pel_contact_k
                                  const double normal[3], pel_contact *contact)
 {
     double thickness = pel_contact_pair_thickness(set, key->points) - slack_of(set, key);
-    double separation = thickness, drift[3] = {0, 0, 0};
+    double separation = thickness + pel_contact_pair_radius(set, key->points), drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;
         contact->weights[i] = point < 0 ? (pel_real)weights[i] : 0;
@@ -394,7 +411,9 @@ static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key
         back[k] = -normal[k];
         w[k] = key->edge_edge ? 0 : fabs(key->place[k + 1]);
     }
-    if (key->edge_edge)
+    if (!key->edge_edge && pel_contact_are_balls(key->points))
+        key->is_off = false;
+    else if (key->edge_edge)
         key->is_off = !leads_away(job, key, key->first, x[0], x[1], back) ||
                       !leads_away(job, key, key->second, x[2], x[3], normal);
     else
@@ -410,7 +429,8 @@ static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel
     double normal[3];
     for (int k = 0; k < 3; k++)
         normal[k] = (double)contact->normal[k];
-    return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
+    double radius = pel_contact_pair_radius(set, key->points);
+    return gap_of(x, key->place, normal) - radius < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
 static void way_between(double x[4][3], const double weights[4], double way[3])
@@ -488,6 +508,8 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     }
     if (key->edge_edge)
         refresh_edges(job, x, contact, key, weights, normal);
+    else if (pel_contact_are_balls(key->points))
+        look_at_balls(x, contact, key, weights, normal);
     else
         refresh_vertex_face(job, x, contact, key, weights, normal);
     const pel_real before[3] = {contact->normal[0], contact->normal[1], contact->normal[2]};
@@ -495,7 +517,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     if (!set->def.has_layers)
         pel_contact_keep_push(contact, before);
-    key->gap = gap_of(x, weights, normal);
+    key->gap = gap_of(x, weights, normal) - pel_contact_pair_radius(set, key->points);
     memcpy(key->place, weights, sizeof weights);
     keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
     set->acts[c] = !(key->room > 0 || key->is_off);

@@ -34,6 +34,8 @@ pel_status pel_contact_search(pel_contact_set *set, double distance, bool for_la
         query.near = pel_min(query.near, distance + 2 * pel_contact_longest_way(set) * (1 + WAY_SLACK));
     pel_status status = pel_collider_list(set->collider, &query, for_layers ? &test : NULL, found, error);
     pel_contact_count_search(set, found);
+    if (status == PEL_OK)
+        status = pel_contact_balls_join(set, distance, for_layers, found, error);
     set->statistics.find_seconds += pel_seconds() - began;
     return status;
 }
@@ -46,6 +48,8 @@ double pel_contact_search_reach(const pel_contact_set *set, double longest)
 bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest)
 {
     const pel_collision_query query = query_of(set, pel_max(least, pel_contact_search_reach(set, longest)));
+    if (set->ball_count > 0)
+        return set->was_clear = false;
     /* a step after a snapshot was loaded decides like that of a run that went on */
     if (!set->was_clear)
         pel_collider_go(set->collider, &query, position);
@@ -88,7 +92,7 @@ bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, 
     pel_collision_query query = query_of(set, has_layers ? set->guarded : set->largest);
     query.near = query.min_separation;
     bool may_be = (has_layers || set->list.count == 0) && set->tangles.is_known && set->tangles.count == 0 &&
-                  !has_round_obstacle(set);
+                  set->ball_count == 0 && !has_round_obstacle(set);
     set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
                                 measure_way(set, &query, position, next));
     if (set->was_clear)

@@ -98,7 +98,8 @@ void pel_contact_set_destroy(pel_contact_set *set)
                  set->origins, set->owed, set->other_contacts, set->heights.list.contacts, set->heights.triangles,
                  set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts, set->impacts,
                  set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
-                 set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->tangles.keys, set->body_shares, set->body_impacts, set->balls, set->ball_order, set->ball_pairs,
+                 set->joined);
     pel_contact_patches_clear(&set->patches);
     pel_travel_destroy(&set->travel);
     pel_free(set);
@@ -114,7 +115,8 @@ static bool make_contact(const pel_contact_set *set, const pel_collision *pair, 
     PEL_ASSERT_INDEX(pair->vertices[3], set->point_count);
     /* points 0 and 3 are of either side */
     const int32_t *group = set->group_of_point;
-    double separation = pel_contact_pair_thickness(set, pair->vertices), free = 0;
+    double separation = pel_contact_pair_thickness(set, pair->vertices) + pel_contact_pair_radius(set, pair->vertices);
+    double free = 0;
     double friction = pel_contact_friction(set, group[pair->vertices[0]], group[pair->vertices[3]]);
     *contact = (pel_contact){.friction = (pel_real)friction};
     double drift[3] = {0, 0, 0};
@@ -151,12 +153,6 @@ static pel_contact_key make_key(const pel_contact_set *set, const pel_collision 
     for (int i = 0; i < 4 && key.obstacle < 0; i++)
         key.obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);
     return key;
-}
-
-bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4])
-{
-    const int32_t *group = set->group_of_point;
-    return set->asleep_count > 0 && set->is_asleep[group[points[0]]] && set->is_asleep[group[points[3]]];
 }
 
 /* the order of a key and of the pair of two features */
@@ -462,7 +458,7 @@ static double start_distance(const merger *m, const pel_collision *pair)
     /* the search has measured it */
     for (int i = 0; i < 4; i++)
         pel_vec3_along(way, pair->hit.weight[i], m->set->start[pair->vertices[i]], way);
-    return pel_vec3_length(way);
+    return pel_vec3_length(way) - pel_contact_pair_radius(m->set, pair->vertices);
 }
 
 /* the corner of a triangle that its vertex is before at `start`, so nearly that it stays before it while all is near
@@ -508,7 +504,7 @@ static pel_contact_key *pair_at_corner(const merger *m, int32_t vertex, int32_t 
 static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
 {
     const pel_contact_set *set = m->set;
-    if (!m->is_same || pair->edge_edge)
+    if (!m->is_same || pair->edge_edge || pel_contact_pair_radius(set, pair->vertices) > 0)
         return false;
     key->border = corner_of(set, pair);
     if (key->border < 0)
@@ -524,18 +520,19 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
     return twin != NULL;
 }
 
-/* pairs of a vertex stand for the triangles around the corners that it is nearest to */
-static bool makes_rings(const merger *m, bool edge_edge)
+/* pairs of a vertex stand for the triangles around the corners that it is nearest to; a ball may touch several */
+static bool makes_rings(const merger *m, const pel_collision *pair)
 {
     const pel_contact_set *set = m->set;
-    return set->def.has_layers && (m->is_anew || m->is_again) && !m->is_same && !edge_edge && set->tangles.count == 0 &&
-           set->def.origin_of_vertex == NULL;
+    return set->def.has_layers && (m->is_anew || m->is_again) && !m->is_same && !pair->edge_edge &&
+           set->tangles.count == 0 && set->def.origin_of_vertex == NULL &&
+           !(pel_contact_pair_radius(set, pair->vertices) > 0);
 }
 
 /* the ring of a pair that stands for this one; null = there is none */
 static merged_ring *ring_with(merger *m, const pel_collision *pair)
 {
-    if (!makes_rings(m, pair->edge_edge))
+    if (!makes_rings(m, pair))
         return NULL;
     if (m->vertex != pair->first)
         m->ring_count = 0;
@@ -610,7 +607,7 @@ static void find_ring(merger *m, const pel_collision *pair, bool is_known, merge
 {
     if (ring != NULL)
         take_ring(m, ring);
-    else if (makes_rings(m, pair->edge_edge) && m->ring_count < MOST_RINGS)
+    else if (makes_rings(m, pair) && m->ring_count < MOST_RINGS)
         add_ring(m, pair, is_known);
 }
 
@@ -758,7 +755,7 @@ static bool is_of_surface(const pel_contact_set *set, const pel_contact_key *key
 {
     int32_t edges = 3 * set->triangle_count;
     return key->first >= 0 && key->first < (key->edge_edge ? edges : set->point_count) && key->second >= 0 &&
-           key->second < (key->edge_edge ? edges : set->triangle_count);
+           key->second < (key->edge_edge ? edges : set->triangle_count + set->ball_count);
 }
 
 double pel_contact_set_home_reach(const pel_contact_set *set)
@@ -791,7 +788,9 @@ static pel_collision pair_of(const pel_contact_set *set, const pel_contact_key *
         pel_tree_edge_ends(tree, key->second, pair.vertices + 2);
     } else {
         pair.vertices[0] = key->first;
-        memcpy(pair.vertices + 1, tree->triangles[key->second], 3 * sizeof *pair.vertices);
+        for (int i = 0; i < 3; i++)
+            pair.vertices[1 + i] = key->second < set->triangle_count ? tree->triangles[key->second][i]
+                                                                     : pel_contact_ball_point(set, key->second);
     }
     pel_contact_measure_start(set, &pair);
     return pair;

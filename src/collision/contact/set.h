@@ -117,6 +117,13 @@ typedef struct pel_contact_watch {
     float limit;    /* m, change of that way below which it need not; 0 = it has no room */
 } pel_contact_watch;
 
+/* A rigid body that collides as the sphere about its mesh (ball.c). */
+typedef struct pel_contact_ball {
+    int32_t point; /* its middle */
+    double radius;
+    double low[3], high[3]; /* m, of the box around its way, with the distance that is searched */
+} pel_contact_ball;
+
 /* What comes too near on the way of a step. */
 typedef struct pel_conflict {
     int32_t vertices[4]; /* -1 = none */
@@ -243,6 +250,14 @@ typedef struct pel_contact_set {
     bool moves;
     pel_contact_heights heights;
 
+    /* balls, by their points; scratch of a search: their order along x, the pairs that it adds, and all that it found
+     */
+    pel_contact_ball *balls; /* (ball_count) */
+    int32_t ball_count;
+    int32_t *ball_order; /* (ball_count) */
+    pel_collision *ball_pairs, *joined;
+    size_t ball_pair_count, ball_pair_capacity, joined_capacity;
+
     /* the guard; from `solved` on null until it first runs */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
@@ -312,8 +327,6 @@ bool pel_contact_set_expect(pel_contact_set *set, int32_t count);
 bool pel_contact_set_restore(pel_contact_set *set);
 /* Takes over the pairs and the margin of another set of the same points and triangles. False when out of memory. */
 bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from);
-/* Whether both sides of a pair are asleep. */
-bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4]);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 
@@ -366,6 +379,8 @@ double pel_contact_pair_share(const pel_contact_set *set, const int32_t points[4
 double pel_contact_pair_thickness(const pel_contact_set *set, const int32_t points[4]);
 /* the share of kin in a body */
 double pel_contact_kin_share(const pel_contact_set *set, int32_t body);
+/* Whether both sides of a pair are asleep. */
+bool pel_contact_sleeps(const pel_contact_set *set, const int32_t points[4]);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
 
@@ -433,13 +448,44 @@ void pel_contact_heights_refresh(pel_contact_set *set, const pel_record *positio
 /* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */
 pel_status pel_contact_round_conflicts(pel_contact_set *set, pel_error *error);
 
-/* ---- conflict.c ---- */
-/* of the two parts of a pair at `start` */
-double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit);
+/* ---- ball.c ---- */
+/* PEL_OUT_OF_MEMORY. Without layers there are none: rigid bodies collide by their triangles. */
+pel_status pel_contact_balls_create(pel_contact_set *set, pel_error *error);
+/* m, of the balls of both sides of a pair */
+double pel_contact_pair_radius(const pel_contact_set *set, const int32_t points[4]);
+/* whether both sides are balls, of which the middles are points 0 and 1 to 3 */
+static inline bool pel_contact_are_balls(const int32_t points[4])
+{
+    return points[1] == points[2];
+}
+/* the ball of such a pair with a feature after those of the surface */
+int32_t pel_contact_ball_point(const pel_contact_set *set, int32_t second);
+
+/* ---- ball_search.c ---- */
+/* Adds pairs with balls to what was found, in the order of pairs: those that may come within the distance between start
+   and end or, for layers, that may touch. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_balls_join(pel_contact_set *set, double distance, bool for_layers, pel_collision_result *found,
+                                  pel_error *error);
+
+/* ---- ball_impact.c ---- */
+/* impact of a pair with a ball, nearer than a distance [m]; time above 1 = it is free */
+pel_timed_hit pel_contact_ball_impact(const pel_contact_set *set, const pel_collision *hit, double guarded);
+/* Adds a conflict for each ball that comes too near to a sphere or capsule. */
+pel_status pel_contact_ball_conflicts(pel_contact_set *set, pel_error *error);
+
+/* ---- path.c ---- */
 /* m, the most that the points of both sides come nearer to each other between start and end */
 double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit);
 /* m, the longest way of a point between start and end */
 double pel_contact_longest_way(const pel_contact_set *set);
+/* places of points after a share of the way: those of rigid bodies on the path through the substeps */
+void pel_contact_place_between(const pel_contact_set *set, const int32_t points[4], double share, double x[4][3]);
+/* in how many straight parts that path is */
+int pel_contact_count_knots(const pel_contact_set *set, const int32_t points[4]);
+
+/* ---- conflict.c ---- */
+/* of the two parts of a pair at `start` */
+double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit);
 /* Fills `conflicts` from what the collider found between start and end, and from round obstacles. */
 pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
 /* m, how far the points of a conflict move against each other between start and end */

@@ -180,6 +180,8 @@ static double mean_edge(const pel_contact_set *set)
         for (int c = 0; c < 3; c++, count++)
             sum += pel_vec3_distance(set->shape[v[c]], set->shape[v[(c + 1) % 3]]);
     }
+    if (count == 0)
+        return set->def.shortest_edge;
     return isfinite(sum) ? sum / (double)count : 0;
 }
 
@@ -301,7 +303,7 @@ pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error)
     if (status != PEL_OK)
         return status;
     set_groups(set);
-    return PEL_OK;
+    return pel_contact_balls_create(set, error);
 }
 
 void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *found)

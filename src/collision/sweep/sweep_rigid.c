@@ -13,7 +13,9 @@ static void sum_contact(pel_rigid_sum *sum, const pel_rigids *rigids, const pel_
 {
     const double weights[4] = {(double)contact->weights[0], (double)contact->weights[1], (double)contact->weights[2],
                                (double)contact->weights[3]};
-    pel_rigid_sum_set(sum, rigids, contact->vertices, weights, 4, positions);
+    double normal[3];
+    pel_contact_read_normal(contact, normal);
+    pel_rigid_sum_set_contact(sum, rigids, contact->vertices, weights, normal, positions);
 }
 
 void pel_rigid_contact_move(const pel_rigids *rigids, const pel_contact *contact, pel_record *positions,
@@ -51,17 +53,18 @@ static const pel_rigid_row *row_of(pel_rigids *rigids, pel_contact *contact, con
                                    const pel_record *start)
 {
     pel_rigid_sum sum;
-    double weights[4];
+    double weights[4], normal[3];
     bool is_known = contact->round == rigids->row_round && contact->row < rigids->row_count;
     for (int i = 0; i < 4; i++)
         weights[i] = (double)contact->weights[i];
-    if (is_known && pel_rigid_row_is_of(&rigids->rows[contact->row], contact->vertices, weights))
+    pel_contact_read_normal(contact, normal);
+    if (is_known && pel_rigid_row_is_of(&rigids->rows[contact->row], contact->vertices, weights, normal))
         return &rigids->rows[contact->row];
     for (int i = 0; i < 4; i++)
         if (weights[i] != 0 && positions[contact->vertices[i]][3] > 0 &&
             pel_rigid_of(rigids, contact->vertices[i]) == NULL)
             return NULL;
-    pel_rigid_sum_set(&sum, rigids, contact->vertices, weights, 4, positions);
+    pel_rigid_sum_set_contact(&sum, rigids, contact->vertices, weights, normal, positions);
     pel_rigid_row *row = is_known ? &rigids->rows[contact->row] : pel_rigid_rows_add(rigids);
     if (row == NULL || !pel_rigid_row_set(row, rigids, &sum, start))
         return NULL;
@@ -114,6 +117,7 @@ static double rub_sum(const pel_rigids *rigids, pel_contact *contact, pel_record
         pel_vertex_position(start, contact->vertices[i], x);
         pel_vec3_along(from, sum.weights[i], x, from);
     }
+    pel_rigid_sum_turn_start(&sum, rigids, from);
     find_slip(contact, sum.value, from, slip);
     double slid = rub(contact, NULL, &sum, normal, slip, change);
     pel_rigid_sum_push(&sum, rigids, positions, change);

@@ -313,16 +313,16 @@ static const pel_def_row rows[] = {
      .doc = "length of the edges of the tetrahedra along the axes; auto: the mean edge of the mesh"},
 
     {"bodies[].rigid", RIGID(on), MAP,
-     .doc = "rigid body: the mesh moves and turns as a whole, with the mass and inertia of its filling. One pinned "
-            "vertex is a ball joint, several on a line are a hinge. Methods xpbd, pbd, pbd-distance, implicit, "
-            "explicit and static; optional"},
+     .doc = "rigid body: its mesh moves and turns as a whole. One pinned vertex is a ball joint, several on a line are "
+            "a hinge. Methods xpbd, pbd, pbd-distance, implicit, explicit and static; optional"},
     {"bodies[].rigid.density", RIGID(density), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, DEFAULT(1000),
      WHEN(has_rigid_density), .doc = "density of the filling, or of the sheet"},
     {"bodies[].rigid.mass", RIGID(mass), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, WHEN(has_rigid_mass),
      .doc = "mass of the body"},
     {"bodies[].rigid.thickness", RIGID(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(0), WHEN(is_rigid),
-     .doc = "thickness of the sheet that the triangles are, also of a closed mesh, which then is hollow; default: the "
-            "mesh is filled, and must be closed"},
+     .doc = "thickness of the sheet that the triangles are; a closed mesh then is hollow. Default: it is filled"},
+    {"bodies[].rigid.sphere", RIGID(sphere), BOOLEAN, .preset = "false", WHEN(is_rigid),
+     .doc = "a ball: its mass, inertia and contact are those of the sphere about the mesh; not implicit, not static"},
 
     {"bodies[].membrane", MEMBRANE(on), MAP,
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},

@@ -339,6 +339,12 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         model->damping[i] = (pel_real)(spring_share * pel_quantity_at(&def->spring_damping, v));
         model->volumetric_damping[i] = (pel_real)(filling_share * pel_quantity_at(&def->volumetric_damping, v));
     }
+    if (body->rigid != NULL && body->rigid->radius > 0) {
+        const double *x = body->rigid->middle;
+        int32_t middle = first + def->mesh->vertex_count;
+        model->rest[middle] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0};
+        model->inverse_mass[middle] = (pel_real)(1 / body->rigid->mass);
+    }
     for (int32_t p = 0; p < def->pinned_count; p++)
         model->inverse_mass[body->model_index[def->pinned[p]]] = 0;
     for (int32_t r = 0; r < def->released_count; r++) {
@@ -571,7 +577,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     if (status == PEL_OK)
         measure_volume(body);
     if (status == PEL_OK && def->rigid.on)
-        return pel_rigid_body_create(def, body->has_volume, scratch->areas, &body->rigid, error);
+        return pel_rigid_body_create(def, body->has_volume ? body->rest_volume : 0, scratch->areas, &body->rigid,
+                                     error);
     return status == PEL_OK && def->volume.on ? pel_filled_lump(def->mesh, scratch->areas, error) : status;
 }
 
@@ -625,7 +632,9 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         if (status != PEL_OK)
             return name_body(status, def->bodies[b].name, b, error);
         body->slice_begin = model->slice_count;
-        model->slice_count += (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
+        /* a ball has a place for its middle */
+        bool is_ball = body->rigid != NULL && body->rigid->radius > 0;
+        model->slice_count += (body->mesh->vertex_count + is_ball + PEL_WIDTH - 1) / PEL_WIDTH;
         body->slice_end = model->slice_count;
         model->triangle_count += body->mesh->triangle_count;
     }

@@ -3,7 +3,15 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include "math/vec3.h"
+
 #include <math.h>
+
+/* of the radius of a ball: how far its vertices may lie under the sphere; of the volume of the sphere: what its mesh
+   fills at least (an icosahedron fills .61, a cube .37) */
+#define SPHERE_TOLERANCE 1e-3
+#define LEAST_FILLING 0.5
+#define PI 3.14159265358979323846
 
 static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy)
 {
@@ -86,11 +94,68 @@ static pel_status find_inertia(const pel_body_def *def, bool has_volume, pel_ine
                       "a rigid body of %g kg has no inertia about one of its axes", inertia->mass);
 }
 
-pel_status pel_rigid_body_create(const pel_body_def *def, bool has_volume, double *areas, pel_rigid_shape **shape,
+/* The middle of the sphere through the vertices, as least squares of |x - m|^2 - r^2, and its radius to the farthest
+   one; returns the distance of the nearest one [m]. */
+static double fit_sphere(const pel_mesh *mesh, double middle[3], double *radius)
+{
+    double mean[3] = {0}, size = 0, spread[3][3] = {{0}}, inverse[3][3], sum[3] = {0}, x[3], nearest = HUGE_VAL;
+    int32_t count = mesh->vertex_count;
+    for (int32_t v = 0; v < count; v++)
+        pel_vec3_along(mean, 1.0 / count, mesh->positions[v], mean);
+    for (int32_t v = 0; v < count; v++)
+        size += pel_vec3_squared_length((pel_vec3_subtract(mesh->positions[v], mean, x), x)) / count;
+    for (int32_t v = 0; v < count; v++) {
+        pel_vec3_subtract(mesh->positions[v], mean, x);
+        pel_vec3_along(sum, 0.5 * (pel_vec3_squared_length(x) - size), x, sum);
+        for (int i = 0; i < 3; i++)
+            pel_vec3_along(spread[i], x[i], x, spread[i]);
+    }
+    pel_inertia_invert((const double(*)[3])spread, inverse);
+    for (int i = 0; i < 3; i++)
+        middle[i] = mean[i] + pel_vec3_dot(inverse[i], sum);
+    *radius = 0;
+    for (int32_t v = 0; v < count; v++) {
+        double distance = pel_vec3_distance(mesh->positions[v], middle);
+        *radius = distance > *radius ? distance : *radius;
+        nearest = distance < nearest ? distance : nearest;
+    }
+    return nearest;
+}
+
+/* mass and inertia of the sphere in place of those of the mesh */
+static pel_status find_ball(const pel_body_def *def, double volume, pel_rigid_shape *ball, pel_inertia *inertia,
+                            pel_error *error)
+{
+    const pel_rigid_def *rigid = &def->rigid;
+    double nearest = fit_sphere(def->mesh, ball->middle, &ball->radius), r = ball->radius;
+    if (!(nearest >= (1 - SPHERE_TOLERANCE) * r))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave rigid.sphere out: then the body collides by its triangles",
+                          "a sphere of %g m about the mesh of a rigid sphere has vertices up to %g m inside", r,
+                          r - nearest);
+    double whole = 4 * PI / 3 * r * r * r;
+    if (!(fabs(volume) > LEAST_FILLING * whole))
+        return pel_refuse(
+            error, PEL_BAD_ARGUMENT,
+            "give a closed mesh with more triangles, or leave rigid.sphere out: then the body collides by "
+            "its triangles",
+            "the mesh of a rigid sphere fills %.2g of the sphere", fabs(volume) / whole);
+    bool is_hollow = rigid->thickness > 0;
+    double amount = is_hollow ? 4 * PI * r * r * rigid->thickness : whole;
+    *inertia = (pel_inertia){.mass = rigid->mass > 0 ? rigid->mass : rigid->density * amount};
+    pel_vec3_copy(ball->middle, inertia->center);
+    for (int k = 0; k < 3; k++)
+        inertia->tensor[k][k] = (is_hollow ? 2.0 / 3 : 0.4) * inertia->mass * r * r;
+    return PEL_OK;
+}
+
+pel_status pel_rigid_body_create(const pel_body_def *def, double volume, double *areas, pel_rigid_shape **shape,
                                  pel_error *error)
 {
     pel_inertia inertia;
-    pel_status status = find_inertia(def, has_volume, &inertia, error);
+    pel_rigid_shape ball = {0};
+    pel_status status = find_inertia(def, volume != 0, &inertia, error);
+    if (status == PEL_OK && def->rigid.sphere)
+        status = find_ball(def, volume, &ball, &inertia, error);
     if (status != PEL_OK)
         return status;
     if (!pel_inertia_lump(def->mesh, &inertia, areas, areas))
@@ -100,5 +165,7 @@ pel_status pel_rigid_body_create(const pel_body_def *def, bool has_volume, doubl
     if (*shape == NULL)
         return pel_fail_memory(error);
     pel_rigid_shape_set(*shape, &inertia, def->mesh, def->pinned, def->pinned_count);
+    (*shape)->radius = ball.radius;
+    pel_vec3_copy(ball.middle, (*shape)->middle);
     return PEL_OK;
 }

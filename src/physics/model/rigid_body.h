@@ -9,9 +9,9 @@
 pel_status pel_rigid_body_check(const pel_body_def *def, int32_t body, pel_error *error);
 /* Numbers of a deformable body, which a rigid one does not read, become 0. */
 void pel_rigid_body_stiffen(pel_body_def *def);
-/* The shape of the body, and masses of its vertices in place of areas (mesh vertex_count) [kg]; has_volume: its mesh is
-   closed and not flat. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY; free with pel_free. */
-pel_status pel_rigid_body_create(const pel_body_def *def, bool has_volume, double *areas, pel_rigid_shape **shape,
+/* The shape of the body, and masses of its vertices in place of areas (mesh vertex_count) [kg]; volume [m3]: 0 = its
+   mesh is open or flat. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY; free with pel_free. */
+pel_status pel_rigid_body_create(const pel_body_def *def, double volume, double *areas, pel_rigid_shape **shape,
                                  pel_error *error);
 
 #endif

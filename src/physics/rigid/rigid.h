@@ -27,6 +27,7 @@ typedef struct pel_rigid_shape {
     double inertia[3][3];         /* kg m2, about the pivot */
     double inverse_inertia[3][3]; /* of the rotations that pins leave */
     double roundness;             /* 1/(kg m2), of a body with the same inertia about all axes, else 0 */
+    double radius, middle[3];     /* m, of the sphere about its mesh, if it is a ball; else radius 0 */
 } pel_rigid_shape;
 
 typedef struct pel_rigid_state {
@@ -39,6 +40,8 @@ typedef struct pel_rigid_state {
 typedef struct pel_rigid {
     const pel_rigid_shape *shape;
     int32_t begin, end; /* its vertices */
+    int32_t middle;     /* the place of the middle of a ball, which is no vertex of the mesh; */
+    double radius;      /* m, of the sphere about it that collides; 0 = its triangles do */
     pel_rigid_state state;
     double matrix[3][3];          /* the rotation of the state */
     pel_rigid_state started;      /* at the start of the substep */
@@ -80,6 +83,13 @@ static inline pel_rigid *pel_rigid_of(const pel_rigids *rigids, int32_t v)
 {
     int32_t i = rigids != NULL ? rigids->of_slice[v / PEL_WIDTH] : -1;
     return i >= 0 ? &rigids->items[i] : NULL;
+}
+
+/* m, of the ball that this place is the middle of; 0 = of none that collides as a sphere */
+static inline double pel_rigid_radius(const pel_rigids *rigids, int32_t v)
+{
+    const pel_rigid *rigid = pel_rigid_of(rigids, v);
+    return rigid != NULL && rigid->middle == v ? rigid->radius : 0;
 }
 
 /* Shape of a body with this inertia, whose vertices `pinned` (pinned_count) of the mesh stay where they are. */
@@ -127,6 +137,7 @@ void pel_rigid_drift(pel_rigid *rigid, double time);
 typedef struct pel_rigid_grip {
     pel_rigid *rigid;
     double weight, arm[3];
+    double touch[3]; /* of the arm, from the middle of a ball to where it touches */
 } pel_rigid_grip;
 
 /* Adds a vertex times a weight, with the arm in the axes of the body; after the last one it turns to where the body is.

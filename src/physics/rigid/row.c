@@ -27,7 +27,7 @@ static void set_side(pel_rigid_row *row, const pel_rigids *rigids, const pel_rig
         if (row->weights[i] != 0 && pel_rigid_of(rigids, row->vertices[i]) == grip->rigid)
             pel_rigid_grip_add(&points, rigids, row->vertices[i], row->weights[i]);
     pel_rigid_grip_turn(&points);
-    pel_vec3_copy(points.arm, side->arm);
+    pel_vec3_add(points.arm, grip->touch, side->arm);
     pel_vec3_copy(grip->arm, side->lever);
     pel_vec3_cross(grip->rigid->turned, side->arm, moved);
     pel_vec3_along(moved, grip->weight, grip->rigid->way, moved);
@@ -47,7 +47,8 @@ bool pel_rigid_row_set(pel_rigid_row *row, const pel_rigids *rigids, const pel_r
     int count = 0;
     if (sum->looseness > 0 || sum->grip_count > 2)
         return false;
-    *row = (pel_rigid_row){.place = {sum->value[0], sum->value[1], sum->value[2]}};
+    *row = (pel_rigid_row){.place = {sum->value[0], sum->value[1], sum->value[2]}, .has_ball = sum->has_ball};
+    pel_vec3_copy(sum->normal, row->normal);
     for (int i = 0; i < PEL_SUM_MOST; i++) {
         row->vertices[i] = sum->vertices[i];
         row->weights[i] = sum->weights[i];
@@ -56,6 +57,7 @@ bool pel_rigid_row_set(pel_rigid_row *row, const pel_rigids *rigids, const pel_r
         pel_vertex_position(start, sum->vertices[i], x);
         pel_vec3_along(row->start, sum->weights[i], x, row->start);
     }
+    pel_rigid_sum_turn_start(sum, rigids, row->start);
     for (int g = 0; g < sum->grip_count; g++)
         if (!sum->grips[g].rigid->is_fixed)
             set_side(row, rigids, &sum->grips[g], &row->sides[count++]);

@@ -20,16 +20,21 @@ struct pel_rigid_row {
     double place[3];     /* m: the sum, less what the bodies have moved in this substep */
     double start[3];     /* m: the sum at the start of the substep */
     double answer[3][3]; /* 1/kg: the way of the sum by a push on it */
+    bool has_ball;       /* it is of a contact of a ball, along: */
+    double normal[3];
 };
 
 /* The row of a sum at positions, where `start` (vertex_count) is the start of the substep; false = something of it is
    loose, or is of more than two bodies. */
 bool pel_rigid_row_set(pel_rigid_row *row, const pel_rigids *rigids, const pel_rigid_sum *sum, const pel_record *start);
 
-/* whether it is that of a sum of these (PEL_SUM_MOST) vertices and weights, and no body has turned far since */
-static inline bool pel_rigid_row_is_of(const pel_rigid_row *row, const int32_t *vertices, const double *weights)
+/* whether it is that of a sum of these (PEL_SUM_MOST) vertices and weights, along this normal if that is of a ball, and
+   no body has turned far since */
+static inline bool pel_rigid_row_is_of(const pel_rigid_row *row, const int32_t *vertices, const double *weights,
+                                       const double *normal)
 {
-    bool is_same = true;
+    bool is_same =
+        !row->has_ball || (row->normal[0] == normal[0] && row->normal[1] == normal[1] && row->normal[2] == normal[2]);
     for (int i = 0; i < 2 && row->sides[i].rigid != NULL; i++)
         is_same &= row->sides[i].far_turns == row->sides[i].rigid->far_turns;
     for (int i = 0; i < PEL_SUM_MOST; i++)

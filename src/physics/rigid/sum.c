@@ -11,6 +11,10 @@
    M has p x P = p0 x P at the end. */
 #include "rigid/sum.h"
 
+#include "math/pose.h"
+
+#include <math.h>
+
 static pel_rigid_grip *find_grip(pel_rigid_sum *sum, pel_rigid *rigid)
 {
     for (int i = 0; i < sum->grip_count; i++)
@@ -49,8 +53,9 @@ static void share_point(pel_rigid_sum *sum)
         pel_vec3_along(sum->grips[i].arm, (i == 0 ? 0.5 : -0.5) * sum->grips[i].weight, between, sum->grips[i].arm);
 }
 
-void pel_rigid_sum_set(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices, const double *weights,
-                       int count, const pel_record *positions)
+/* grips, value and looseness */
+static void set_grips(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices, const double *weights,
+                      int count, const pel_record *positions)
 {
     *sum = (pel_rigid_sum){.vertices = vertices};
     for (int i = 0; i < count; i++) {
@@ -74,8 +79,48 @@ void pel_rigid_sum_set(pel_rigid_sum *sum, const pel_rigids *rigids, const int32
         pel_vec3_add(sum->value, grip->arm, sum->value);
         pel_vec3_along(sum->value, grip->weight, grip->rigid->state.pivot, sum->value);
     }
+}
+
+void pel_rigid_sum_set(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices, const double *weights,
+                       int count, const pel_record *positions)
+{
+    set_grips(sum, rigids, vertices, weights, count, positions);
     if (are_two_free(sum))
         share_point(sum);
+}
+
+void pel_rigid_sum_set_contact(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices,
+                               const double *weights, const double normal[3], const pel_record *positions)
+{
+    set_grips(sum, rigids, vertices, weights, PEL_SUM_MOST, positions);
+    pel_vec3_copy(normal, sum->normal);
+    /* the normal points to the first side: a ball of either weight touches on the side of the other one */
+    for (int i = 0; i < PEL_SUM_MOST; i++) {
+        double radius = weights[i] != 0 ? pel_rigid_radius(rigids, vertices[i]) : 0;
+        for (int g = 0; radius > 0 && g < sum->grip_count; g++)
+            if (sum->grips[g].rigid->middle == vertices[i])
+                pel_vec3_along(sum->grips[g].touch, -radius * fabs(weights[i]), normal, sum->grips[g].touch);
+        sum->has_ball |= radius > 0;
+    }
+    for (int g = 0; g < sum->grip_count; g++)
+        pel_vec3_add(sum->grips[g].arm, sum->grips[g].touch, sum->grips[g].arm);
+    if (are_two_free(sum))
+        share_point(sum);
+}
+
+void pel_rigid_sum_turn_start(const pel_rigid_sum *sum, const pel_rigids *rigids, double start[3])
+{
+    for (int g = 0; sum->has_ball && g < sum->grip_count; g++) {
+        const pel_rigid *rigid = sum->grips[g].rigid;
+        /* what changes no momenta goes from the start of the step on */
+        const double *rotation = rigids->rate > 0 ? rigid->started.rotation : rigid->before.rotation;
+        double local[3] = {0}, was[3];
+        for (int k = 0; k < 3; k++)
+            pel_vec3_along(local, sum->grips[g].touch[k], rigid->matrix[k], local);
+        pel_rotate(rotation, local, was);
+        pel_vec3_add(start, was, start);
+        pel_vec3_subtract(start, sum->grips[g].touch, start);
+    }
 }
 
 double pel_rigid_sum_mobility(const pel_rigid_sum *sum, const double direction[3])

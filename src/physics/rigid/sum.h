@@ -13,6 +13,8 @@ typedef struct pel_rigid_sum {
     int grip_count;
     double value[3];  /* m, the sum of weights times positions */
     double looseness; /* 1/kg, of the vertices that are loose: inverse masses times squared weights */
+    bool has_ball;    /* it is of a contact of a ball, along: */
+    double normal[3];
 } pel_rigid_sum;
 
 /* whether one of the vertices is of a rigid body */
@@ -28,6 +30,13 @@ static inline bool pel_rigid_sum_is_asked(const pel_rigids *rigids, const int32_
 /* at positions (vertex_count) with their inverse masses; vertices have to live on */
 void pel_rigid_sum_set(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices, const double *weights,
                        int count, const pel_record *positions);
+/* The same for a contact along a unit normal: what acts on the middle of a ball acts where the ball touches, a radius
+   away along the normal. The value stays that of the middle. */
+void pel_rigid_sum_set_contact(pel_rigid_sum *sum, const pel_rigids *rigids, const int32_t *vertices,
+                               const double *weights, const double normal[3], const pel_record *positions);
+/* Subtracts from the start of a sum what the turns of its balls since then have moved of where they touch now: their
+   points there are others than those of the middle. */
+void pel_rigid_sum_turn_start(const pel_rigid_sum *sum, const pel_rigids *rigids, double start[3]);
 /* how far 1 N s2 along a direction moves the sum that way */
 double pel_rigid_sum_mobility(const pel_rigid_sum *sum, const double direction[3]);
 /* moves everything by a push [N s2] on the sum */

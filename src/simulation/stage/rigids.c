@@ -22,14 +22,21 @@ static int32_t body_of(const pel_sim *sim, const pel_rigid *rigid)
     return sim->model->body_of_slice[rigid->begin / PEL_WIDTH];
 }
 
-static pel_status refuse_method(const pel_sim *sim, pel_error *error)
+/* bodies that the method does not know */
+static pel_status check_method(const pel_sim *sim, pel_error *error)
 {
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (sim->model->bodies[b].rigid != NULL)
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->rigid != NULL && !sim->stepper->moves_rigid)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
                                       "use the method xpbd, implicit, explicit, static, pbd or pbd-distance",
-                                      "body '%s' is rigid, which this method does not know",
-                                      sim->model->bodies[b].name);
+                                      "body '%s' is rigid, which this method does not know", body->name);
+        if (body->rigid != NULL && body->rigid->radius > 0 && !pel_sim_is_projected(sim))
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "use the method xpbd, explicit, pbd or pbd-distance, or leave rigid.sphere out: "
+                                      "then the body collides by its triangles",
+                                      "body '%s' is a rigid sphere, which this method does not know", body->name);
+    }
     return PEL_OK;
 }
 
@@ -39,8 +46,9 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
     int32_t count = count_bodies(model);
     if (count == 0)
         return PEL_OK;
-    if (!sim->stepper->moves_rigid)
-        return refuse_method(sim, error);
+    pel_status status = check_method(sim, error);
+    if (status != PEL_OK)
+        return status;
     pel_rigids *rigids = sim->rigids = pel_allocate(1, sizeof *rigids);
     if (rigids == NULL ||
         !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count),
@@ -61,6 +69,7 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
         *rigid = (pel_rigid){.shape = body->rigid,
                              .begin = body->slice_begin * PEL_WIDTH,
                              .end = body->slice_end * PEL_WIDTH,
+                             .middle = body->slice_begin * PEL_WIDTH + body->mesh->vertex_count,
                              .path = rigids->path + rigids->count++ * PEL_RIGID_KNOTS};
         pel_rigid_begin(rigid, &sim->state->rigids[b]);
     }

@@ -23,6 +23,8 @@ static void touch(pel_sim *sim, pel_tool *tool, const pel_contact *contact, cons
         if (weight == 0)
             continue;
         pel_vertex_position(positions, contact->vertices[i], x);
+        for (int k = 0; k < 3; k++)
+            x[k] -= pel_rigid_radius(sim->rigids, contact->vertices[i]) * (double)contact->normal[k];
         pel_vec3_along(point, fabs(weight), x, point);
         sum += fabs(weight);
         side += weight;

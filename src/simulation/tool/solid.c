@@ -78,21 +78,16 @@ void pel_solids_destroy(pel_sim *sim)
 
 /* ---- search ---- */
 
-/* kg, of a vertex; of a rigid body all of it */
-static double mass_at(const pel_sim *sim, int32_t v)
-{
-    const pel_rigid *rigid = pel_rigid_of(sim->rigids, v);
-    return rigid != NULL ? rigid->shape->mass : (double)sim->model->mass[v];
-}
-
 /* m/N, of the layer between a tool and a vertex or the corners of a triangle that come with a speed [m/s], by their
-   mean mass */
+   mean mass: of a rigid body all of it */
 static double compliance_of(const pel_sim *sim, const pel_contact *contact, double speed, int count)
 {
     int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
     double mass = 0;
-    for (int i = 0; i < count; i++)
-        mass += mass_at(sim, contact->vertices[i]);
+    for (int i = 0; i < count; i++) {
+        const pel_rigid *rigid = pel_rigid_of(sim->rigids, contact->vertices[i]);
+        mass += rigid != NULL ? rigid->shape->mass : (double)sim->model->mass[contact->vertices[i]];
+    }
     return pel_contact_layer_compliance(&sim->layers[body], mass / count, speed, sim->step.dt);
 }
 
@@ -140,14 +135,15 @@ static int32_t find_pair(const pel_sim_solids *solids, int32_t begin, int32_t tr
 
 static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t begin, int32_t triangle, pel_error *error)
 {
-    PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_status status = PEL_OK;
-    for (int c = 0; c < 3 && status == PEL_OK; c++) {
-        int32_t v = sim->model->triangles[triangle][c];
+    const pel_rigid *rigid = pel_rigid_of(sim->rigids, sim->model->triangles[triangle][0]);
+    bool is_ball = rigid != NULL && rigid->radius > 0;
+    for (int c = 0; c < (is_ball ? 1 : 3) && status == PEL_OK; c++) {
+        int32_t v = is_ball ? rigid->middle : sim->model->triangles[triangle][c];
         if (find_pair(sim->tools->solids, begin, -1, v) < 0)
             status = add_pair(sim, tool, -1, v, error);
     }
-    return status == PEL_OK ? add_pair(sim, tool, triangle, -1, error) : status;
+    return status == PEL_OK && !is_ball ? add_pair(sim, tool, triangle, -1, error) : status;
 }
 
 static bool is_kept(const pel_solid_pair *pair)
@@ -428,16 +424,16 @@ static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_so
     int32_t v = pair->vertex;
     const pel_tool *tool = &sim->tools->items[pair->tool];
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
-    double x[3], local[3], before[3], normal[3], normal_before[3];
+    double x[3], local[3], before[3], normal[3], normal_before[3], side[3];
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
-    double distance = pel_solid_distance(&solid, local, normal);
+    double radius = pel_rigid_radius(sim->rigids, v), distance = pel_solid_distance(&solid, local, normal) - radius;
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
     bool is_fast = way >= FAST_SHARE * pel_solid_least_half_width(&solid);
     double distance_before =
-        is_fast || (distance < 0 && !pair->is_known) ? pel_solid_distance(&solid, before, normal_before) : 0;
+        is_fast || (distance < 0 && !pair->is_known) ? pel_solid_distance(&solid, before, normal_before) - radius : 0;
     find_slack(sim->tools->solids, pair, distance, distance_before);
     if (is_fast && distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED) {
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
@@ -445,7 +441,9 @@ static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_so
     }
     double thickness = thickness_of(sim, pair), span = soft_span(sim, pair);
     double room = distance - span;
-    set_plane(tool, x, normal, -begin_softly(sim, distance + pair->slack, span, 1, contact), contact);
+    pel_rotate(tool->pose.rotation, normal, side);
+    pel_vec3_along(x, -radius, side, x);
+    set_plane(tool, x, normal, radius - begin_softly(sim, distance + pair->slack, span, 1, contact), contact);
     find_approach(sim, start, pair, contact);
     bool is_far = !(contact->multiplier > 0) && room > PEL_CONTACT_NEAR_SHARE * thickness;
     pair->is_near = !is_far;

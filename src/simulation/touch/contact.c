@@ -210,19 +210,29 @@ static pel_contact_motion motion_of(const pel_sim *sim)
 
 /* ---- the surface ---- */
 
+static void add_surface(pel_sim *sim, int32_t b)
+{
+    int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
+    const pel_front_triangle *surface = pel_surface_in_order(sim, b);
+    for (int32_t i = 0; i < count; i++)
+        pel_contact_surface_add(sim->contacts,
+                                sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)]);
+}
+
 static pel_status set_triangles(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_contact_surface_begin(sim->contacts, error);
     if (status != PEL_OK)
         return status;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
-        int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
-        const pel_front_triangle *surface = pel_surface_in_order(sim, b);
-        for (int32_t i = 0; i < count; i++)
-            pel_contact_surface_add(
-                sim->contacts, sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)]);
+        const pel_rigid *rigid = pel_rigid_of(sim->rigids, sim->model->bodies[b].slice_begin * PEL_WIDTH);
+        if (rigid == NULL || !(rigid->radius > 0))
+            add_surface(sim, b);
         sim->touch->revisions[b] = pel_surface_event_count(sim, b);
     }
+    /* where balls alone are, one has triangles, which nothing meets: a collider is of some */
+    if (sim->contacts->next_count == 0)
+        add_surface(sim, 0);
     return PEL_OK;
 }
 

@@ -60,7 +60,9 @@ static void read_corners(const pel_sim *sim, const pel_contact_entry *entry, pel
             continue;
         int32_t body = sim->model->body_of_slice[place / PEL_WIDTH];
         record->bodies[record->weights[i] < 0] = body;
-        record->vertices[i] = pel_output_vertex(sim, body, sim->model->mesh_vertex[place]);
+        /* the middle of a ball is no vertex */
+        int32_t v = sim->model->mesh_vertex[place];
+        record->vertices[i] = v >= 0 ? pel_output_vertex(sim, body, v) : -1;
     }
 }
 
