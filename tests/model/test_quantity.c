@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "model/quantity.h"
 
+#include <math.h>
+
 static const pel_key keys[3] = {{0, 1}, {1, 3}, {3, -1}};
 static const double field[3] = {1, 2, -3};
 
@@ -69,6 +71,36 @@ static void test_checks(void **unused)
     check(&far, true, true, "pressure is inf");
 }
 
+/* keys with a fault at any place of a list of any length */
+static void test_order(void **unused)
+{
+    (void)unused;
+    enum { MOST = 5 };
+    const double odd[] = {(double)NAN, HUGE_VAL, -HUGE_VAL};
+    for (int32_t count = 0; count <= MOST; count++) {
+        pel_key good[MOST];
+        for (int32_t k = 0; k < MOST; k++)
+            good[k] = (pel_key){k - 2.5, k % 3 - 1};
+        assert_true(pel_keys_are_ordered(good, count));
+        for (int32_t k = 0; k < MOST; k++) {
+            for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+                pel_key bad[MOST];
+                memcpy(bad, good, sizeof bad);
+                bad[k].value = odd[i];
+                assert_true(pel_keys_are_ordered(bad, count) == (k >= count));
+                bad[k] = (pel_key){odd[i], 0};
+                assert_true(pel_keys_are_ordered(bad, count) == (k >= count));
+            }
+            pel_key bad[MOST];
+            memcpy(bad, good, sizeof bad);
+            bad[k].time = good[k > 0 ? k - 1 : 0].time;
+            assert_true(pel_keys_are_ordered(bad, count) == (k == 0 || k >= count));
+            bad[k].time = nextafter(bad[k].time, HUGE_VAL);
+            assert_true(pel_keys_are_ordered(bad, count));
+        }
+    }
+}
+
 /* means over spans against sums over many instants */
 static void test_means(void **unused)
 {
@@ -100,10 +132,8 @@ static void test_means(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),
-        cmocka_unit_test(test_curve),
-        cmocka_unit_test(test_checks),
-        cmocka_unit_test(test_means),
+        cmocka_unit_test(test_values), cmocka_unit_test(test_curve), cmocka_unit_test(test_order),
+        cmocka_unit_test(test_checks), cmocka_unit_test(test_means),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

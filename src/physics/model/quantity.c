@@ -71,6 +71,14 @@ double pel_curve_largest(const pel_curve *curve)
     return largest;
 }
 
+bool pel_keys_are_ordered(const pel_key *keys, int32_t count)
+{
+    for (int32_t k = 0; k < count; k++)
+        if (!isfinite(keys[k].time) || !isfinite(keys[k].value) || (k > 0 && !(keys[k].time > keys[k - 1].time)))
+            return false;
+    return true;
+}
+
 pel_status pel_body_refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy)
 {
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, remedy, "%s is %g", name, value);

@@ -4,6 +4,8 @@
 
 #include "model/model.h"
 
+/* Whether times and values are finite, and times increase. */
+bool pel_keys_are_ordered(const pel_key *keys, int32_t count);
 /* PEL_BAD_ARGUMENT with body, name, value and remedy. */
 pel_status pel_body_refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy);
 

@@ -78,11 +78,9 @@ static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int3
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
                                   "give the body bending of model midedge, or fix displacements only",
                                   "support clamps edges, which only bending of model midedge has rotations for");
-    for (int32_t k = 0; k < def->key_count; k++)
-        if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
-            (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give keys with increasing times",
-                                      "keys are not finite or not in order");
+    if (!pel_keys_are_ordered(def->keys, def->key_count))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give keys with increasing times",
+                                  "keys are not finite or not in order");
     return PEL_OK;
 }
 

@@ -12,6 +12,7 @@
 #include "force/shell_force.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
+#include "model/quantity.h"
 #include "pellicle/topology.h"
 
 #include <math.h>
@@ -66,11 +67,9 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
     if (def->kind >= PEL_LOAD_PER_LENGTH && body->detail != NULL)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the load per vertex or in total",
                                   "load on edges of a body that refines");
-    for (int32_t k = 0; k < def->key_count; k++)
-        if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
-            (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give keys with increasing times",
-                                      "keys are not finite or not in order");
+    if (!pel_keys_are_ordered(def->keys, def->key_count))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give keys with increasing times",
+                                  "keys are not finite or not in order");
     return PEL_OK;
 }
 

@@ -11,6 +11,7 @@
 #include "boundary/gusts.h"
 #include "boundary/loads.h"
 #include "math/extremes.h"
+#include "model/quantity.h"
 #include "stage/surface_view.h"
 
 #include <math.h>
@@ -223,11 +224,9 @@ static pel_status check_keys(const pel_wind_def *def, pel_error *error)
 {
     if (def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give keys, or a count of 0", "keys of the wind are null");
-    for (int32_t k = 0; k < def->key_count; k++)
-        if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
-            (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return pel_refuse(error, PEL_BAD_ARGUMENT, "give keys with increasing times",
-                              "keys of the wind are not finite or not in order");
+    if (!pel_keys_are_ordered(def->keys, def->key_count))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give keys with increasing times",
+                          "keys of the wind are not finite or not in order");
     return PEL_OK;
 }
 
