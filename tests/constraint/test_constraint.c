@@ -320,12 +320,83 @@ static void test_bound(void **unused)
     scene_end(&scene, sim);
 }
 
+/* bodies of the two sides */
+static void read_sides(const pel_sim *sim, const pel_minimise_contact *constraint, int32_t bodies[2])
+{
+    bodies[0] = bodies[1] = -1;
+    for (int i = 0; i < 4; i++)
+        if (constraint->weights[i] != 0)
+            bodies[constraint->weights[i] < 0] = sim->model->body_of_slice[constraint->vertices[i] / PEL_WIDTH];
+}
+
+/* whether two constraints have the same points, by brute force: the sums of their weights for each vertex */
+static bool are_same(const pel_sim *sim, const pel_minimise_contact *a, const pel_minimise_contact *b, double *sum)
+{
+    double most[2] = {0, 0};
+    for (int side = 0; side < 2; side++) {
+        memset(sum, 0, (size_t)sim->model->vertex_count * sizeof *sum);
+        for (int i = 0; i < 4; i++) {
+            sum[a->vertices[i]] += a->weights[i];
+            sum[b->vertices[i]] += (side == 0 ? -1 : 1) * b->weights[i];
+        }
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            most[side] = fabs(sum[v]) > most[side] ? fabs(sum[v]) : most[side];
+    }
+    double along = pel_vec3_dot(a->normal, b->normal);
+    return (most[0] < 1e-4 && along > 1 - 1e-7) || (most[1] < 1e-4 && along < -1 + 1e-7);
+}
+
+/* Three sheets whose vertices lie above each other, on a floor: each pair of points is one constraint, although some
+   thirty pairs of triangles and edges meet there; at rest the first and the third sheet have none, and the floor bears
+   the weight of all. */
+static void test_stack(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_IMPLICIT);
+    for (int b = 0; b < 3; b++) {
+        pel_mesh *mesh = make_sheet(4, 0);
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            mesh->positions[v][2] = 0.004 + 0.006 * b;
+        scene_body(&scene, mesh);
+        pel_body_def *body = &scene.bodies[b];
+        *body = pel_body_def_sheet(body->name, body->mesh, 1e6, 0.002, 1000);
+    }
+    scene.gravity = -9.81;
+    scene.def.solver.dt = 0.01;
+    scene.def.contact.thickness = 0.002;
+    pel_vec3_set(scene_tool(&scene, PEL_TOOL_BOX)->half_extents, 2, 2, 0.1);
+    scene_move(&scene, 0, 0, 0, -0.1, -0.1, 1);
+    pel_sim *sim = scene_create(&scene);
+    assert_true(run_free(sim, 60) >= 0);
+    const pel_minimise *minimise = sim->minimise;
+    double *sum = malloc((size_t)sim->model->vertex_count * sizeof *sum), mass = 0;
+    int32_t between = 0;
+    for (int32_t c = minimise->tool_count; c < minimise->count; c++) {
+        int32_t bodies[2];
+        read_sides(sim, &minimise->constraints[c], bodies);
+        assert_int_equal(abs(bodies[0] - bodies[1]), 1);
+        between++;
+        for (int32_t d = minimise->tool_count; d < c; d++)
+            assert_false(are_same(sim, &minimise->constraints[c], &minimise->constraints[d], sum));
+    }
+    assert_in_range(between, 2 * scene.meshes[0]->vertex_count, 16 * scene.meshes[0]->vertex_count);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        mass += (double)sim->model->mass[v];
+    pel_tool_reading reading;
+    pel_sim_get_tool(sim, 0, &reading);
+    assert_near(fabs(reading.force[2]), 9.81 * mass, 0.01 * mass);
+    free(sum);
+    scene_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_collapse),   cmocka_unit_test(test_plates), cmocka_unit_test(test_friction),
         cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),  cmocka_unit_test(test_refined),
         cmocka_unit_test(test_mesh_after), cmocka_unit_test(test_jam),    cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_stack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@
 #include "sim/fixture.h"
 #include "stage/stage.h"
 
-enum { SCENE_BODIES = 2, SCENE_TOOLS = 2, SCENE_KEYS = 3 };
+enum { SCENE_BODIES = 3, SCENE_TOOLS = 2, SCENE_KEYS = 3 };
 
 typedef struct contact_scene {
     pel_mesh *meshes[SCENE_BODIES];
@@ -30,7 +30,7 @@ static inline void scene_body(contact_scene *scene, pel_mesh *mesh)
     pel_body_def *body = &scene->bodies[scene->body_count];
     scene->meshes[scene->body_count++] = mesh;
     *body = pel_body_def_default();
-    body->name = scene->body_count == 1 ? "first" : "second";
+    body->name = (const char *[]){"first", "second", "third"}[scene->body_count - 1];
     body->mesh = mesh;
     body->mass = 0.01;
     body->spring_stiffness.value = 30;

@@ -37,6 +37,13 @@ enum { ESTIMATE_SWEEPS = 20 };
 
 /* weights of a point inside a feature are larger */
 #define INSIDE 1e-9
+/* of the mean edge on the finest level, and of the longest way in the last step: pairs closer than this are constraints
+   from the start */
+#define NEAR_SHARE 0.2
+#define NEAR_WAYS 2
+/* of two pairs that say the same: smaller weights, and the cosine of their normals */
+#define SAME_PLACE 1e-3
+#define SAME_NORMAL (1 - 1e-6)
 
 /* ---- one constraint ---- */
 
@@ -585,6 +592,34 @@ double pel_minimise_contacts_force(const pel_sim *sim)
 
 /* ---- surfaces ---- */
 
+/* m, the longest way of a vertex in the last step */
+static double last_way(const pel_sim *sim)
+{
+    const pel_state *state = sim->state;
+    double square = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double way[3];
+        for (int k = 0; k < 3; k++)
+            way[k] = (double)(state->position[v][k] - state->position_before[v][k]);
+        square = pel_max(square, pel_vec3_squared_length(way));
+    }
+    return sqrt(square);
+}
+
+/* In proportion to the finest edges that there may be: with coarse ones every pair of a fine surface would be near. In
+   time only what moves as before: layers at rest have no pairs with those beyond the next one. */
+double pel_minimise_contacts_near(const pel_sim *sim)
+{
+    int32_t levels = 0;
+    for (int32_t b = 0; b < sim->given->body_count; b++) {
+        const pel_body *body = &sim->given->bodies[b];
+        if (body->detail != NULL && body->detail->def.levels > levels)
+            levels = body->detail->def.levels;
+    }
+    double most = NEAR_SHARE * ldexp(sim->minimise->mean_edge, -levels);
+    return pel_sim_has_velocity(sim) && sim->state->older_is_known ? pel_min(most, NEAR_WAYS * last_way(sim)) : most;
+}
+
 static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_contact *constraint)
 {
     const pel_contact *contact = &sim->contacts->list.contacts[number];
@@ -644,6 +679,92 @@ static bool are_held_kin(const pel_sim *sim, const pel_minimise_contact *constra
     return sum < LEAST_FREEDOM;
 }
 
+/* What a constraint acts on: the vertices of each side, ascending, those of the second one as their complements; the
+   side with the lowest comes first. */
+typedef struct support {
+    int32_t vertices[4]; /* INT32_MAX = no more */
+    double sign;         /* of its normal, from the second to the first of these sides */
+} support;
+
+static int gather_side(const pel_minimise_contact *constraint, int begin, int end, int32_t side[3])
+{
+    int count = 0;
+    for (int i = begin; i < end; i++) {
+        if (!(fabs(constraint->weights[i]) > SAME_PLACE))
+            continue;
+        int at = count++;
+        for (; at > 0 && side[at - 1] > constraint->vertices[i]; at--)
+            side[at] = side[at - 1];
+        side[at] = constraint->vertices[i];
+    }
+    return count;
+}
+
+static support support_of(const pel_minimise_contact *constraint)
+{
+    int32_t sides[2][3] = {{0}};
+    const int middle = constraint->pair[0] ? 2 : 1;
+    const int counts[2] = {gather_side(constraint, 0, middle, sides[0]), gather_side(constraint, middle, 4, sides[1])};
+    const int first = counts[0] > 0 && (counts[1] == 0 || sides[0][0] < sides[1][0]) ? 0 : 1;
+    support found = {{INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX}, first == 0 ? 1 : -1};
+    for (int i = 0; i < counts[first]; i++)
+        found.vertices[i] = sides[first][i];
+    for (int i = 0; i < counts[1 - first]; i++)
+        found.vertices[counts[first] + i] = ~sides[1 - first][i];
+    return found;
+}
+
+/* An earlier constraint between the same points, along the same line: a vertex above another one is above all triangles
+   around it, and so are their edges. Null = there is none. */
+static pel_minimise_contact *find_same(const pel_sim *sim, const pel_minimise_contact *constraint, const support *own,
+                                       double *sign)
+{
+    const pel_minimise *minimise = sim->minimise;
+    int32_t at = minimise->constraint_of_vertex[own->vertices[0]];
+    for (; at > 0; at = minimise->constraints[at - 1].before) {
+        pel_minimise_contact *other = &minimise->constraints[at - 1];
+        const support its = support_of(other);
+        *sign = own->sign * its.sign;
+        if (memcmp(its.vertices, own->vertices, sizeof its.vertices) == 0 &&
+            *sign * pel_vec3_dot(other->normal, constraint->normal) > SAME_NORMAL)
+            return other;
+    }
+    return NULL;
+}
+
+/* loads of a pair that another one stands for */
+static void take_over(pel_sim *sim, const pel_minimise_contact *constraint, double sign, pel_minimise_contact *same)
+{
+    pel_contact_key *key = &sim->contacts->keys[constraint->number];
+    same->load += constraint->load;
+    same->grip = same->load;
+    pel_vec3_along(same->drag, sign, constraint->drag, same->drag);
+    key->load = 0;
+    pel_vec3_set(key->drag, 0, 0, 0);
+}
+
+static pel_status add_surface(pel_sim *sim, const pel_minimise_contact *constraint, pel_error *error)
+{
+    pel_minimise *minimise = sim->minimise;
+    const support own = support_of(constraint);
+    double sign;
+    /* obstacles have no vertices here */
+    const bool is_shared = constraint->tool < 0;
+    pel_minimise_contact *same = is_shared ? find_same(sim, constraint, &own, &sign) : NULL;
+    if (same != NULL) {
+        take_over(sim, constraint, sign, same);
+        return PEL_OK;
+    }
+    const int32_t count = minimise->count;
+    pel_status status = pel_minimise_contact_add(sim, constraint, error);
+    if (is_shared && minimise->count > count) {
+        int32_t *last = &minimise->constraint_of_vertex[own.vertices[0]];
+        minimise->constraints[count].before = *last;
+        *last = count + 1;
+    }
+    return status;
+}
+
 pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
 {
     pel_minimise *minimise = sim->minimise;
@@ -655,8 +776,11 @@ pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
             continue;
         constraint_of(sim, c, &constraint);
         if (!are_held_kin(sim, &constraint))
-            status = pel_minimise_contact_add(sim, &constraint, error);
+            status = add_surface(sim, &constraint, error);
     }
+    for (int32_t c = minimise->tool_count; c < minimise->count; c++)
+        for (int i = 0; i < 4; i++)
+            minimise->constraint_of_vertex[minimise->constraints[c].vertices[i]] = 0;
     return status;
 }
 

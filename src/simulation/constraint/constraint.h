@@ -37,7 +37,10 @@ double pel_minimise_contacts_sum_kept(const pel_sim *sim);
 double pel_minimise_contacts_sum(const pel_sim *sim);
 /* N, root of the sum of squares of the constraint forces on vertices */
 double pel_minimise_contacts_force(const pel_sim *sim);
-/* Constraints of surfaces from the list of contacts, after those of tools, with the loads stored by their keys. */
+/* m, how near pairs of surfaces are constraints before anything moves. */
+double pel_minimise_contacts_near(const pel_sim *sim);
+/* Constraints of surfaces from the list of contacts, one where pairs are between the same
+   points, after those of tools, with the loads stored by their keys. */
 pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error);
 /* Share of the forces of surfaces that has turned since the step found where they touch. */
 double pel_minimise_contacts_turned(const pel_sim *sim);

@@ -52,6 +52,7 @@ typedef struct pel_minimise_contact {
     int32_t end;    /* of the capsule that a triangle has its gap to: -1, 1; 0 = middle of a sphere */
     int32_t pair[PEL_MINIMISE_PAIR]; /* names it over steps: kind, tool, features */
     int32_t number;                  /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
+    int32_t before;                  /* scratch: its number plus 1, of the one before it at the same vertex; 0 = none */
 } pel_minimise_contact;
 
 typedef struct pel_minimise_context pel_minimise_context;
@@ -101,7 +102,7 @@ struct pel_minimise {
     size_t capacity, other_capacity;
     int32_t count, tool_count;
     const pel_newton_kink *kinks;  /* (count) say which constraints act; null = their gaps do */
-    int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
+    int32_t *constraint_of_vertex; /* (vertex_count) scratch: the number plus 1 of the last one there, 0 = none */
     double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
 

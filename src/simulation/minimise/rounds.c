@@ -91,9 +91,7 @@ enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
    taken */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
-/* shares of the mean edge (on the finest level): pairs closer than this are constraints from the start; vertices that
-   moved farther than this beyond an impact restart there */
-#define NEAR_SHARE 0.2
+/* of the mean edge: vertices that moved farther than this beyond an impact restart there */
 #define BEYOND_SHARE 0.1
 
 bool pel_minimise_is_in_motion(const pel_sim *sim)
@@ -252,11 +250,6 @@ static int count_parts(const pel_sim *sim, double *longest)
     return (int)ceil(pel_min(most, MOST_PARTS));
 }
 
-static void copy_position(const pel_record *from, int32_t v, double *to)
-{
-    pel_vertex_position(from, v, to + 3 * (size_t)v);
-}
-
 static void set_poses(pel_sim *sim, double share)
 {
     for (int32_t i = 0; i < sim->tools->count; i++)
@@ -265,7 +258,7 @@ static void set_poses(pel_sim *sim, double share)
     pel_tools_carry(sim);
     for (int32_t v = 0; sim->held != NULL && v < sim->model->vertex_count; v++)
         if (sim->held[v])
-            copy_position(sim->state->position_next, v, sim->minimise->position);
+            pel_vertex_position(sim->state->position_next, v, sim->minimise->position + 3 * (size_t)v);
 }
 
 /* false if it is close enough to continue from its position */
@@ -273,15 +266,15 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
 {
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const double *start = sim->contacts->start[v], *end = sim->contacts->end[v];
-    double beyond = (1 - share) * pel_vec3_distance(start, end);
-    if (beyond < BEYOND_SHARE * sim->minimise->mean_edge || (sim->held != NULL && sim->held[v]))
+    if ((1 - share) * pel_vec3_distance(start, end) < BEYOND_SHARE * sim->minimise->mean_edge ||
+        (sim->held != NULL && sim->held[v]))
         return false;
     /* Newton's method comes back by itself, and keeps the shape of the bodies */
     if (sim->minimise->minimiser == NULL)
         return true;
     for (int k = 0; k < 3; k++)
         sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
-    copy_position(sim->state->position_next, v, sim->minimise->position);
+    pel_vertex_position(sim->state->position_next, v, sim->minimise->position + 3 * (size_t)v);
     return true;
 }
 
@@ -558,18 +551,6 @@ double pel_minimise_energy(pel_sim *sim)
     return plain_energy(&context);
 }
 
-/* in proportion to the finest edges that there may be: with coarse ones every pair of a fine surface would be near */
-static double near_distance(const pel_sim *sim)
-{
-    int32_t levels = 0;
-    for (int32_t b = 0; b < sim->given->body_count; b++) {
-        const pel_body *body = &sim->given->bodies[b];
-        if (body->detail != NULL && body->detail->def.levels > levels)
-            levels = body->detail->def.levels;
-    }
-    return NEAR_SHARE * ldexp(sim->minimise->mean_edge, -levels);
-}
-
 /* add the forces of inertia at the start of the step */
 static void add_inertia(const pel_sim *sim, double *force)
 {
@@ -639,7 +620,8 @@ static pel_status minimise_under_constraints(pel_minimise_context *context, doub
     for (int32_t i = 0; i < sim->tools->count; i++)
         sim->tools->items[i].pose_before = sim->tools->items[i].pose;
     /* before the tools move: it asks from where they come */
-    pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
+    pel_status status =
+        pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, pel_minimise_contacts_near(sim), error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     pel_tools_move(sim, context->span.time);
@@ -705,7 +687,7 @@ void pel_minimise_begin_at_state(pel_sim *sim)
     pel_state *state = sim->state;
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        copy_position(state->position, v, sim->minimise->position);
+        pel_vertex_position(state->position, v, sim->minimise->position + 3 * (size_t)v);
 }
 
 pel_status pel_minimise_step(pel_sim *sim, pel_step_result *step, pel_error *error)
