@@ -108,7 +108,7 @@ double pel_rigid_kinetic_energy(const pel_rigid_shape *shape, const pel_rigid_st
 
 /* takes a state, which becomes the start of a substep */
 void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state);
-/* Goes back to a share of the way from `before` to a state: places and momenta. */
+/* Goes back to a share of the way from `before` to a state, which may be its own: places and momenta. */
 void pel_rigid_go_back(pel_rigid *rigid, const pel_rigid_state *state, double share);
 /* rad, by which a body has turned since `before` */
 double pel_rigid_turned(const pel_rigid *rigid);

@@ -382,7 +382,7 @@ static void find_torque(const pel_sim *sim, const pel_rigid *rigid, const pel_ri
         subtract_left(sim, rigid, unknowns, torque);
 }
 
-/* of what something holds: the motion of its way */
+/* the motion of its way: of what something holds, or that stands short of a balance */
 static void follow_carrier(const pel_sim *sim, pel_rigid *rigid)
 {
     double start[3], end[3], spin[3];
@@ -437,4 +437,19 @@ void pel_rigid_parts_collide(const pel_sim *sim, const pel_rigid_parts *parts,
                            rigid->state.angular_momentum);
         pel_rigid_place_velocities(rigid, sim->rigids, sim->state->position_next, sim->state->velocity_next);
     }
+}
+
+void pel_rigid_parts_go(const pel_sim *sim, const pel_rigid_parts *parts, double share,
+                        bool (*goes)(const pel_sim *sim, int32_t body))
+{
+    for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
+        pel_rigid *rigid = &sim->rigids->items[i];
+        if (!goes(sim, body_of(sim, rigid)))
+            continue;
+        pel_rigid_fit_to(rigid, sim->rigids, sim->model->mass, parts->unknowns, is_held(sim, rigid));
+        pel_rigid_go_back(rigid, &rigid->state, share);
+        follow_carrier(sim, rigid);
+        pel_rigid_place_velocities(rigid, sim->rigids, sim->state->position_next, sim->state->velocity_next);
+    }
+    pel_rigids_place(sim->rigids, sim->state->position_next);
 }

@@ -50,6 +50,9 @@ void pel_rigid_parts_finish(const pel_sim *sim, const pel_rigid_parts *parts);
 /* Where a body collided the velocities of its vertices tell that of its center. */
 void pel_rigid_parts_collide(const pel_sim *sim, const pel_rigid_parts *parts,
                              bool (*collided)(const pel_sim *sim, int32_t body));
+/* Bodies go a share of the way to where the unknowns have them, with the motion of that, and so do their vertices. */
+void pel_rigid_parts_go(const pel_sim *sim, const pel_rigid_parts *parts, double share,
+                        bool (*goes)(const pel_sim *sim, int32_t body));
 /* bodies go where the unknowns have them, and the unknowns to their places */
 void pel_rigid_parts_take(const pel_sim *sim, const pel_rigid_parts *parts);
 

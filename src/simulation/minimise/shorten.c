@@ -25,26 +25,23 @@ enum { TRIES = 6 };
 /* of the energies, that may be rounding */
 #define ROUNDING 1e-12
 
+static bool is_body_shortened(const pel_sim *sim, int32_t body)
+{
+    return sim->minimise->newton->collided[pel_sim_newton_group(sim, body)];
+}
+
 static bool is_shortened(const pel_sim *sim, int32_t v)
 {
-    int32_t body = sim->model->body_of_slice[v / PEL_WIDTH];
-    return sim->model->mesh_vertex[v] >= 0 && sim->minimise->newton->collided[pel_sim_newton_group(sim, body)];
+    return sim->model->mesh_vertex[v] >= 0 && is_body_shortened(sim, sim->model->body_of_slice[v / PEL_WIDTH]);
 }
 
-static double way_of(const pel_sim *sim, int32_t v, int k)
-{
-    return sim->minimise->newton->unknowns[3 * v + k] - (double)sim->state->position[v][k];
-}
-
-/* J, of what is shortened: with velocities of the state, or of a share of its way */
-static double kinetic_energy(const pel_sim *sim, double share, bool is_start)
+/* J, of what is shortened */
+static double kinetic_energy(const pel_sim *sim, const pel_record *velocity)
 {
     double sum = 0;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        for (int k = 0; k < 3 && is_shortened(sim, v); k++) {
-            double u = is_start ? (double)sim->state->velocity[v][k] : share * way_of(sim, v, k) / sim->step.dt;
-            sum += 0.5 * (double)sim->model->mass[v] * u * u;
-        }
+        for (int k = 0; k < 3 && is_shortened(sim, v); k++)
+            sum += 0.5 * (double)sim->model->mass[v] * (double)velocity[v][k] * (double)velocity[v][k];
     return sum;
 }
 
@@ -54,12 +51,15 @@ static void go(pel_sim *sim, double share)
     pel_state *state = sim->state;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && is_shortened(sim, v); k++) {
-            double x = (double)state->position[v][k] + share * way_of(sim, v, k);
+            double x = (double)state->position[v][k], way = share * (sim->minimise->newton->unknowns[3 * v + k] - x);
             bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
-            sim->minimise->position[3 * v + k] = x;
-            state->position_next[v][k] = (pel_real)x;
-            state->velocity_next[v][k] = moves ? (pel_real)(share * way_of(sim, v, k) / sim->step.dt) : 0;
+            state->position_next[v][k] = (pel_real)(x + way);
+            state->velocity_next[v][k] = moves ? (pel_real)(way / sim->step.dt) : 0;
         }
+    pel_rigid_parts_go(sim, &sim->minimise->newton->rigid, share, is_body_shortened);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        if (is_shortened(sim, v))
+            pel_vertex_position(state->position_next, v, sim->minimise->position + 3 * (size_t)v);
 }
 
 static void move_tools(pel_sim *sim, double share)
@@ -103,15 +103,15 @@ pel_status pel_minimise_shorten(pel_sim *sim, pel_error *error)
 {
     double share;
     go(sim, 0);
-    double before = pel_minimise_energy(sim) + kinetic_energy(sim, 0, true);
+    double before = pel_minimise_energy(sim) + kinetic_energy(sim, sim->state->velocity);
     go(sim, 1);
     move_tools(sim, 1);
     pel_status status = find_free_share(sim, &share, error);
     for (int n = 0; status == PEL_OK && n < TRIES && share > 0; n++) {
         go(sim, share);
         move_tools(sim, share);
-        double now = pel_minimise_energy(sim) + kinetic_energy(sim, share, false);
-        if (now <= before + ROUNDING * fabs(before))
+        if (pel_minimise_energy(sim) + kinetic_energy(sim, sim->state->velocity_next) <=
+            before + ROUNDING * fabs(before))
             break;
         share = n + 2 < TRIES ? 0.5 * share : 0;
     }
