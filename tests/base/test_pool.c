@@ -95,6 +95,28 @@ static void test_after_sleep(void **unused)
     pel_pool_destroy(pool);
 }
 
+/* s of processor time of all threads */
+static double used(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* threads that wait for work for long use no processor */
+static void test_idle(void **unused)
+{
+    (void)unused;
+    pel_pool *pool;
+    assert_int_equal(pel_pool_create(4, &pool, NULL), PEL_OK);
+    check_loops(pool, 3);
+    nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+    double before = used();
+    nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
+    assert_true(used() - before < 0.02);
+    pel_pool_destroy(pool);
+}
+
 static pel_status create_pool(const void *data, pel_error *error)
 {
     (void)data;
@@ -192,9 +214,9 @@ static void test_stop_within(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_chunk_once), cmocka_unit_test(test_at_once),
-        cmocka_unit_test(test_after_sleep),     cmocka_unit_test(test_stop),
-        cmocka_unit_test(test_stop_within),     cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_each_chunk_once),    cmocka_unit_test(test_at_once), cmocka_unit_test(test_idle),
+        cmocka_unit_test(test_after_sleep),        cmocka_unit_test(test_stop),    cmocka_unit_test(test_stop_within),
+        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

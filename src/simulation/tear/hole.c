@@ -1,6 +1,6 @@
 /* The hole that a tear opens around an axis: the farthest open edge in each sector. The first cut may come from the
    middle, and the flap has edges too, within the hole: the farthest ones are those of the hole. */
-#include "pellicle/tear.h"
+#include "tear/hole.h"
 
 #include "base/status.h"
 #include "math/extremes.h"
@@ -112,7 +112,7 @@ static void measure_whole(pel_hole_reading *hole)
     hole->roundness = least / most;
 }
 
-static void measure(pel_hole_reading *hole)
+void pel_hole_measure(pel_hole_reading *hole)
 {
     int count = count_open(hole);
     double sum = 0;
@@ -143,7 +143,7 @@ bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading)
     for (int32_t b = 0; b < sim->given->body_count; b++)
         if (lead->body < 0 || lead->body == b)
             add_edges(&sim->given->bodies[b], lead->lead_center, reading);
-    measure(reading);
+    pel_hole_measure(reading);
     bool is_open = pel_sim_get_cuts(sim, lead->body, &cuts, NULL) == PEL_OK && cuts.island_count > 0;
     reading->is_whole = is_open && !isnan(reading->roundness);
     return true;
