@@ -48,6 +48,37 @@ static void test_slender(void **unused)
     assert_true(warning != NULL && strstr(warning->text, "about 0.015 m thick") != NULL);
 }
 
+/* a cube of 0.1 m pulled aside: its stiffness over that with so short edges that more would change little */
+static double stiffness(const char *edge)
+{
+    static const char cube[] =
+        "version: 1\nbodies: [ { name: cube, mesh: { shape: box, size_x: 0.1, size_y: 0.1, size_z: 0.1 }, volume: { "
+        "young: 1e4, poisson: 0.3, element: linear }, pinned: { box: { min: [-1, -1, -1], max: [1, 1, -0.049] } } } "
+        "]\nloads: [ { force: [0.02, 0, 0], at: { box: { min: [-1, -1, 0.049], max: [1, 1, 1] } } } ]\ngravity: [0, 0, "
+        "0]\nsolver: { method: static, dt: 1 }\nduration: 1\n";
+    pel_run_summary summary;
+    const char *change = edge;
+    run_scene(cube, &change, 1, NULL, 1, &summary);
+    double energy = summary.ledger.elastic, told = 0;
+    const pel_run_warning *warning = find_warning(&summary, "coarse-volume");
+    const char *text = warning != NULL ? strstr(warning->text, "it is up to ") : NULL;
+    assert_true(text == NULL || sscanf(text, "it is up to %lf", &told) == 1);
+    return told > 0 ? -energy : energy;
+}
+
+/* stubby bodies are told where they shear more than 10 % too stiffly, by not less and not much more */
+static void test_stubby(void **unused)
+{
+    (void)unused;
+    const double fine = stiffness("bodies.0.volume.edge=0.0125");
+    assert_true(fine > 0);
+    assert_true(stiffness("bodies.0.volume.edge=0.025") > 0.93 * fine);
+    const double two = stiffness("bodies.0.volume.edge=0.05"), one = stiffness("bodies.0.volume.edge=0.1");
+    assert_true(two < 0 && one < 0);
+    assert_near(fine / -two, 1.17, 0.03);
+    assert_near(fine / -one, 1.45, 0.04);
+}
+
 static void test_locking(void **unused)
 {
     (void)unused;
@@ -75,7 +106,7 @@ static void test_pressed(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slender), cmocka_unit_test(test_locking),
-                                       cmocka_unit_test(test_pressed)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slender), cmocka_unit_test(test_stubby),
+                                       cmocka_unit_test(test_locking), cmocka_unit_test(test_pressed)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -18,6 +18,9 @@ pel_solid_shape pel_solid_shape_of(const pel_mesh *filled);
 /* Share by which linear tetrahedra make it too stiff in bending; 0 of bodies that are not slender. */
 double pel_solid_bending_error(const pel_solid_shape *shape);
 
+/* The same of bodies that are not slender, where they are sheared or bent, at most; 0 of slender ones. */
+double pel_solid_shear_error(const pel_solid_shape *shape);
+
 /* Whether volumetric springs carry the weight of a pinned body that a solid of their modulus would not carry without a
    large sag. */
 bool pel_scene_is_carried(const pel_scene *scene, const pel_model *model, int32_t body);
