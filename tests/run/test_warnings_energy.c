@@ -75,6 +75,29 @@ static void test_work_in_substeps(void **unused)
 #undef PULSED
 }
 
+/* A free sheet that a load on its edges shakes within a step: the load turns with the edges, and so does its work. */
+static void test_work_of_followers(void **unused)
+{
+    (void)unused;
+    static const char scene[] =
+        "version: 1\nbodies: [{ name: sheet, mesh: { shape: grid, nx: 6, ny: 6, size_x: 0.02, size_y: 0.02 }, "
+        "membrane: "
+        "{ young: 1e6, poisson: 0.45, thickness: 0.002 }, mass: { density: 1000 } }]\nloads: [{ force: [0, 0, 0.2], "
+        "per: "
+        "length, follower: true, keys: [[0, 0], [0.002, 1], [0.0041, 0]], at: boundary }]\nduration: 0.12\n";
+    static const char *const solvers[] = {"solver={ method: explicit }", "solver={ method: xpbd, dt: 0.01 }",
+                                          "solver={ method: xpbd, dt: 0.007 }", "solver={ method: xpbd, dt: 0.003 }"};
+    double expected = 0;
+    for (size_t i = 0; i < sizeof solvers / sizeof *solvers; i++) {
+        pel_run_summary summary;
+        run_scene(scene, &solvers[i], 1, NULL, 0, &summary);
+        print_message("%s: %.4g J\n", solvers[i], summary.ledger.work_loads);
+        expected = i == 0 ? summary.ledger.work_loads : expected;
+        assert_near(summary.ledger.work_loads / expected, 1, 0.03);
+        assert_null(find_warning(&summary, "energy-appears"));
+    }
+}
+
 /* A drum, which its rest shape stretches, and a ball that strikes it and goes away: xpbd is of second order
    until it touches and after, and keeps what it swings with. First order takes most of it, which is little of the
    energy of the stretched drum. */
@@ -392,21 +415,14 @@ static void test_swinging_bag(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unresolved),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_work_in_substeps),
-        cmocka_unit_test(test_struck_drum),
-        cmocka_unit_test(test_tool_that_stands),
-        cmocka_unit_test(test_work_of_what_jams),
-        cmocka_unit_test(test_work_of_two_balls),
-        cmocka_unit_test(test_thrown_strip),
-        cmocka_unit_test(test_pressed_in_second_order),
-        cmocka_unit_test(test_touches_nothing),
-        cmocka_unit_test(test_unresolved_flutter),
-        cmocka_unit_test(test_damped_energy),
-        cmocka_unit_test(test_unresolved_bounce),
-        cmocka_unit_test(test_silent_bounce),
-        cmocka_unit_test(test_trampoline),
+        cmocka_unit_test(test_unresolved),        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_work_in_substeps),  cmocka_unit_test(test_work_of_followers),
+        cmocka_unit_test(test_struck_drum),       cmocka_unit_test(test_tool_that_stands),
+        cmocka_unit_test(test_work_of_what_jams), cmocka_unit_test(test_work_of_two_balls),
+        cmocka_unit_test(test_thrown_strip),      cmocka_unit_test(test_pressed_in_second_order),
+        cmocka_unit_test(test_touches_nothing),   cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),     cmocka_unit_test(test_unresolved_bounce),
+        cmocka_unit_test(test_silent_bounce),     cmocka_unit_test(test_trampoline),
         cmocka_unit_test(test_swinging_bag),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);

@@ -426,6 +426,7 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
     }
     for (int32_t i = 0; positions != NULL && i < sim->loads->follower_count; i++) {
         pel_follower_force(sim, i, span, positions, each);
+        pel_vec3_copy(each, sim->loads->followers[i].pushed);
         for (int k = 0; k < 2; k++)
             force[sim->loads->followers[i].vertices[k]] += (pel_real)0.5 * record_of(each);
     }
@@ -549,11 +550,28 @@ static double work_on(const pel_sim *sim, const pel_record *from, const pel_reco
     return work;
 }
 
+/* N m, the same of follower loads, whose forces the substep has kept */
+static double followers_work_on(const pel_sim *sim, const pel_record *from, const pel_record *to,
+                                const pel_record *velocity, double h)
+{
+    double work = 0;
+    for (int32_t i = 0; i < sim->loads->follower_count; i++)
+        for (int k = 0; k < 2; k++) {
+            const pel_follower *at = &sim->loads->followers[i];
+            const int32_t v = at->vertices[k];
+            for (int c = 0; c < 3; c++)
+                work += 0.5 * at->pushed[c] *
+                        (from != NULL ? (double)to[v][c] - (double)from[v][c] : h * (double)velocity[v][c]);
+        }
+    return work;
+}
+
 void pel_loads_press(pel_sim *sim, const pel_record *positions, const pel_record *before, const pel_record *velocity,
                      pel_span span)
 {
     pel_record *pressed = sim->loads->pressed;
     const size_t count = (size_t)sim->model->vertex_count;
+    sim->loads->tallied_work += 0.5 * followers_work_on(sim, before, positions, velocity, span.ahead);
     if (pressed != NULL)
         memcpy(pressed, sim->force, count * sizeof *pressed);
     pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
@@ -573,6 +591,8 @@ void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start)
                                                   : external_work(sim, start, state->position_next);
     sim->loads->tallied_work += 0.5 * (external + sim->loads->external_work);
     sim->loads->external_work = external;
+    sim->loads->tallied_work +=
+        0.5 * followers_work_on(sim, second_order ? NULL : start, state->position_next, state->velocity_next, h);
     if (sim->loads->pressed != NULL)
         sim->loads->pressure_work +=
             0.5 * work_on(sim, second_order ? NULL : start, state->position_next, state->velocity_next, h);
@@ -653,7 +673,8 @@ double pel_loads_work(const pel_sim *sim, double from, double to, double h)
     const pel_state *state = sim->state;
     pel_span spans[2];
     pel_loads_find_spans(sim, from, to, spans);
-    double work = followers_work(sim, spans) + pel_fluids_work(sim) + pel_wind_work(sim, h) + sim->loads->tallied_work;
+    double work = pel_fluids_work(sim) + pel_wind_work(sim, h) + sim->loads->tallied_work;
+    work += pel_sim_projects_elements(sim) ? 0 : followers_work(sim, spans);
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
         double factor = load->is_tallied ? 0 : mean_factor(sim, load, spans), way[3], before[3], after[3];

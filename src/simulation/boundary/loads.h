@@ -37,6 +37,7 @@ typedef struct pel_follower {
     double length;             /* m at rest, times the weight of the load */
     /* of the last evaluation: N; turn of the frame by displacements of the vertices */
     double force[3], turns[3][3][3];
+    double pushed[3]; /* N, in the present substep */
 } pel_follower;
 
 struct pel_loads {
