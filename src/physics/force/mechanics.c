@@ -168,19 +168,73 @@ static const pel_tangent_shell *midedge_shell(const pel_tangent *tangent, int32_
     return NULL;
 }
 
-/* the moments of a triangle; returns its energy */
-static double midedge_moments(const pel_tangent *tangent, const pel_tangent_shell *own, int32_t t,
-                              const double *unknowns, double moment[3])
+/* of a triangle */
+static void find_alphas(const pel_tangent *tangent, const pel_tangent_shell *own, int32_t t, const double *unknowns,
+                        double alpha[3])
 {
     PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     const double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
-    double alpha[3], sign;
+    double sign;
     for (int k = 0; k < 3; k++) {
         int32_t e = pel_tangent_edge_of(own->edges[t][k], &sign);
         alpha[k] = tangent->half_angles[e] + sign * xi[e];
     }
+}
+
+/* the moments of a triangle; returns its energy */
+static double midedge_moments(const pel_tangent *tangent, const pel_tangent_shell *own, int32_t t,
+                              const double *unknowns, double moment[3])
+{
+    double alpha[3];
+    find_alphas(tangent, own, t, unknowns, alpha);
     pel_midedge_moments(&own->midedges[t], alpha, moment);
     return 0.5 * pel_vec3_dot(alpha, moment);
+}
+
+/* adds the curvature along edge `side` of a triangle, and the twist about it, times a sign; returns its length */
+static double add_curvatures(const pel_rest_triangle *rest, const double alpha[3], int side, double sign,
+                             double curvature[2])
+{
+    double corner[3][2], along[3][2], length[3];
+    rest_corners(rest, corner);
+    for (int k = 0; k < 3; k++) {
+        for (int c = 0; c < 2; c++)
+            along[k][c] = corner[(k + 1) % 3][c] - corner[k][c];
+        length[k] = pel_hypot(along[k][0], along[k][1]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double scale = 1 / (length[k] * length[side]), share = sign * alpha[k] * length[k] / rest->area;
+        const double sine = scale * (along[k][1] * along[side][0] - along[k][0] * along[side][1]);
+        curvature[0] += share * sine * sine;
+        curvature[1] += share * sine * scale * (along[k][0] * along[side][0] + along[k][1] * along[side][1]);
+    }
+    return length[side];
+}
+
+double pel_mechanics_midedge_error(pel_tangent *tangent, const double *unknowns, pel_pool *pool, int32_t body)
+{
+    const pel_tangent_shell *own = midedge_shell(tangent, body);
+    double energy = 0, jumps = 0, alpha[3], sign;
+    pel_tangent_find_angles(tangent, unknowns, pool);
+    for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++)
+        energy += midedge_moments(tangent, own, t, unknowns, alpha);
+    for (int32_t e = 0; own != NULL && e < tangent->pattern.edge_count; e++) {
+        const pel_tangent_edge *edge = &tangent->edges[e];
+        double jump[2] = {0}, stiffness = 0, length = 0;
+        if (edge->body != body || edge->triangles[1] < 0)
+            continue;
+        for (int i = 0; i < 2; i++) {
+            const int32_t t = edge->triangles[i];
+            int side = 0;
+            while (side < 2 && pel_tangent_edge_of(own->edges[t][side], &sign) != e)
+                side++;
+            find_alphas(tangent, own, t, unknowns, alpha);
+            length = add_curvatures(&own->rests[t], alpha, side, 1 - 2 * i, jump);
+            stiffness += 0.5 * own->shell->parts[t].stiffness;
+        }
+        jumps += stiffness * length * length * (jump[0] * jump[0] / 120 + jump[1] * jump[1] / 12);
+    }
+    return energy > 0 ? 0.5 * jumps / energy : 0;
 }
 
 void pel_mechanics_add_midedge(pel_tangent *tangent, const double *unknowns, pel_pool *pool, int32_t body,

@@ -24,6 +24,11 @@ void pel_mechanics_add_midedge(pel_tangent *tangent, const double *unknowns, pel
 void pel_mechanics_share_midedge(pel_tangent *tangent, const double *unknowns, pel_pool *pool, int32_t body,
                                  const int32_t *output_vertex, double *bending);
 
+/* How much mid-edge bending of a body gives way more than the plate, as a share of its energy: jumps of the curvatures
+   over edges, with lengths l and stiffness D, D l^2 ([along]^2 / 120 + [twist]^2 / 12) / 2 of each (the jumps of
+   deflection and slope of Beirao da Veiga, Niiranen, Stenberg 2007, Numer. Math. 106:165). */
+double pel_mechanics_midedge_error(pel_tangent *tangent, const double *unknowns, pel_pool *pool, int32_t body);
+
 /* Turns sums over triangles into densities, and tensors into space. */
 void pel_mechanics_finish(const pel_shell_forces *forces, int32_t body, const pel_record *position,
                           pel_triangle_mechanics *triangles);

@@ -105,6 +105,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_OPEN_SEAM] = "open-seam",
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
     [PEL_WARN_COARSE_MODE] = "coarse-mode",
+    [PEL_WARN_COARSE_BENDING] = "coarse-bending",
     [PEL_WARN_SPRING_NET] = "spring-net",
     [PEL_WARN_HINGES] = "hinge-bending",
     [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
@@ -413,18 +414,6 @@ static void check_motion(pel_run_state *run, int64_t frame)
                  loses ? pel_max(share_of_motion(ledger, run->totals.free_loss), TINY_SHARE) : 0);
 }
 
-/* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
-   the last steps may have fallen to nothing; what gives way by itself, such as a net without bending, has none. */
-static bool is_idle(const pel_run_state *run, int32_t t)
-{
-    const pel_tool_def *tool = &run->scene->sim.tools[t];
-    pel_tool_reading reading;
-    pel_sim_get_tool(run->sim, t, &reading);
-    return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
-           reading.held_back_count == 0 && !(run->tool_force[run->tool_count + t] > 0) &&
-           (!pel_tool_is_at_surface(run, t) || pel_pinned_body_on_way(run, t) != NULL);
-}
-
 void pel_warnings_check_end(pel_run_state *run)
 {
     int64_t frame = run->totals.frame_count - 1;
@@ -435,12 +424,13 @@ void pel_warnings_check_end(pel_run_state *run)
             pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
     }
     for (int32_t t = 0; t < run->tool_count; t++)
-        if (is_idle(run, t))
+        if (pel_tool_is_idle(run, t))
             pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
     if (run->intersection_count > 0 && (!run->scene->sim.contact.enabled || run->scene->contact_is_implied) &&
         run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_CROSSING, frame, (double)run->intersection_count);
     pel_warnings_check_loads(run);
+    pel_warnings_check_bending(run, frame);
     pel_warnings_check_pressures(run, frame);
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
@@ -911,6 +901,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_LARGEST_PRESSURE] = tell_pressure,
     [PEL_WARN_COARSE_LOAD] = tell_load,
     [PEL_WARN_COARSE_MODE] = tell_mode,
+    [PEL_WARN_COARSE_BENDING] = pel_tell_coarse_bending,
 };
 
 /* J: positions are rounded in each substep, and the velocity takes that over its length */

@@ -133,7 +133,8 @@ const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t t)
     return pinned_body_between(run, t, 0, pel_sim_time(run->sim));
 }
 
-bool pel_tool_is_at_surface(const pel_run_state *run, int32_t t)
+/* within a thousandth of the size of a body from its surface; a mesh never is */
+static bool is_at_surface(const pel_run_state *run, int32_t t)
 {
     const pel_solid solid = pel_solid_of(&run->scene->sim.tools[t]);
     const pel_model *model = run->sim->model;
@@ -153,6 +154,16 @@ bool pel_tool_is_at_surface(const pel_run_state *run, int32_t t)
         }
     }
     return any;
+}
+
+bool pel_tool_is_idle(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    pel_tool_reading reading;
+    pel_sim_get_tool(run->sim, t, &reading);
+    return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
+           reading.held_back_count == 0 && !(run->tool_force[run->tool_count + t] > 0) &&
+           (!is_at_surface(run, t) || pel_pinned_body_on_way(run, t) != NULL);
 }
 
 /* the body whose pinned vertices alone were in the way of a tool when it was first held back, or null */

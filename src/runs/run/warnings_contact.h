@@ -16,9 +16,10 @@ int32_t pel_pressed_count(const pel_run_state *run, int32_t tool);
    that moves; null = none, or the tool is a mesh. */
 const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t tool);
 
-/* Whether a tool, where it is by now, is within a thousandth of the size of a body from its surface; a mesh never is.
- */
-bool pel_tool_is_at_surface(const pel_run_state *run, int32_t tool);
+/* Whether a tool moved to press something and never had a force, nor is at a surface now. One that stands still may be
+   a floor, and forces of the last steps may have fallen to nothing; what gives way by itself, such as a net without
+   bending, has none. */
+bool pel_tool_is_idle(const pel_run_state *run, int32_t tool);
 
 /* Blades with a sharpness that pass more than a share of an edge in a step: one edge opens in a step at most. */
 void pel_warnings_check_blades(pel_run_state *run);

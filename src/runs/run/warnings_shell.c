@@ -32,6 +32,7 @@
 #include "pellicle/sim_surface.h"
 #include "run/state.h"
 #include "scene/build.h"
+#include "stage/shells.h"
 #include "stage/stepper.h"
 #include "tool/tool.h"
 
@@ -54,11 +55,17 @@
 #define POINT_ERROR 0.15
 #define MOST_ERROR 0.03
 #define GOOD_ERROR 0.02
+/* deflection that is too large, over what jumps of curvature tell: 0.9 on plates of 8 to 24 cells on supports, 1.1 to
+   1.6 where they are clamped (docs/statics.md) */
+#define BENDING_TIMES 1.4
+#define MOST_BENDING 0.05
 /* of the energy supplied, that moves in a frame; larger meshes are fine enough for their slowest vibration */
 #define MOVING_SHARE 0.02
 /* frequency of a clamped beam over sqrt(D w / (m L^3)), and the share of it below which a body turns about a row */
 #define BEAM 0.5596
 #define SLACK 0.1
+/* edges in a wave for a frequency within about 2 %, over those within 5 % */
+#define FINE 1.8
 enum { MOST_COARSE_TRIANGLES = 2000 };
 #define PI 3.14159265358979323846
 
@@ -420,16 +427,22 @@ static bool is_held(const pel_scene *scene, int32_t b)
     return any;
 }
 
+/* nothing presses a body */
+static bool is_free(const pel_scene *scene)
+{
+    bool any = !scene->sim.contact.enabled || scene->contact_is_implied;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        any &= scene->sim.tools[t].shape == PEL_TOOL_SUPPORT;
+    return any;
+}
+
 /* whether what moves goes on for ever, and nothing presses it */
 static bool swings(const pel_run_state *run)
 {
     const pel_scene *scene = run->scene;
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
-    bool any = stepper->has_velocity && pel_stepper_knows_material(stepper) && pel_scene_is_undamped(scene) &&
-               (!scene->sim.contact.enabled || scene->contact_is_implied);
-    for (int32_t t = 0; t < scene->sim.tool_count; t++)
-        any &= scene->sim.tools[t].shape == PEL_TOOL_SUPPORT;
-    return any && run->totals.most_kinetic > MOVING_SHARE * run->ledger.supplied;
+    return stepper->has_velocity && pel_stepper_knows_material(stepper) && pel_scene_is_undamped(scene) &&
+           is_free(scene) && run->totals.most_kinetic > MOVING_SHARE * run->ledger.supplied;
 }
 
 /* The slowest vibration of a body that swings by its stiffness, not by its weight. */
@@ -443,10 +456,10 @@ void pel_warnings_check_vibrations(pel_run_state *run)
             !is_held(scene, b) || pel_scene_find_vibration(scene, b, &lowest) != PEL_OK)
             continue;
         const double weight = sqrt(pel_vec3_length(scene->model.gravity) / body->diameter);
-        if (!(lowest.wave.edges < lowest.wave.least) || !(PI * lowest.frequency > weight))
+        if (!(lowest.wave.edges < FINE * lowest.wave.least) || !(PI * lowest.frequency > weight))
             continue;
         if (run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0)
-            run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){b, lowest.wave.edges, lowest.wave.least};
+            run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){b, lowest.wave.edges, FINE * lowest.wave.least};
         pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count - 1, -lowest.wave.edges);
     }
 }
@@ -468,9 +481,9 @@ void pel_warnings_tell_mode(const pel_run_state *run, char *text, size_t size)
         snprintf(mode, sizeof mode, "the slowest vibration of body '%s'", run->scene->model.bodies[flagged->body].name);
     snprintf(text, size,
              "the mesh is too coarse for %s: its waves are %.2g edges long, and %s from fewer than %.2g are too low "
-             "by more than 5 %%. %s",
+             "by more than %s %%. %s",
              mode, flagged->value, analysis == PEL_ANALYSIS_BUCKLING ? "load factors" : "frequencies", flagged->limit,
-             remedy);
+             analysis == PEL_ANALYSIS_NONE ? "about 2" : "5", remedy);
 }
 
 /* ---- loads ---- */
@@ -559,6 +572,35 @@ void pel_warnings_check_loads(pel_run_state *run)
             run->flagged[PEL_WARN_COARSE_LOAD] = (pel_flagged_body){l, spot.edge, spot.edge * sqrt(GOOD_ERROR / error)};
         pel_warn(&run->totals.warnings, PEL_WARN_COARSE_LOAD, run->totals.frame_count - 1, error);
     }
+}
+
+void pel_warnings_check_bending(pel_run_state *run, int64_t frame)
+{
+    const pel_sim *sim = run->sim;
+    const bool rests = pel_stepper_of(run->scene->sim.solver.method)->is_static && sim->modes == NULL;
+    const double bending = run->measures.bending_energy, both = bending + run->measures.membrane_energy;
+    if (!rests || !is_free(run->scene) || run->totals.warnings.of[PEL_WARN_COARSE_LOAD].count > 0)
+        return;
+    for (int32_t b = 0; b < sim->model->body_count && bending > 0; b++) {
+        const double error = BENDING_TIMES * bending / both * pel_sim_bending_error(sim, b);
+        if (!(error > MOST_BENDING))
+            continue;
+        const double edge = sim->model->bodies[b].shell->mean_edge;
+        if (run->totals.warnings.of[PEL_WARN_COARSE_BENDING].count == 0)
+            run->flagged[PEL_WARN_COARSE_BENDING] = (pel_flagged_body){b, edge, edge * sqrt(GOOD_ERROR / error)};
+        pel_warn(&run->totals.warnings, PEL_WARN_COARSE_BENDING, frame, error);
+    }
+}
+
+void pel_tell_coarse_bending(const pel_warning_text *at)
+{
+    const pel_flagged_body *flagged = &at->run->flagged[PEL_WARN_COARSE_BENDING];
+    const double share = flagged->value / flagged->limit, error = pel_min(GOOD_ERROR * share * share, MOST_CELLS);
+    snprintf(at->text, at->size,
+             "the mesh of body '%s' is too coarse for how it bends: it gives way by about %.2g %% too much. use edges "
+             "of about %.2g m, in place of %.2g m (pellicle subdivide -n %.0f)",
+             at->run->scene->model.bodies[flagged->body].name, 100 * error / (1 - error), flagged->limit,
+             flagged->value, pel_max(ceil(pel_log2(share)), 1));
 }
 
 void pel_warnings_tell_load(const pel_run_state *run, char *text, size_t size)

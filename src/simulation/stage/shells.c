@@ -197,6 +197,13 @@ void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *t
     pel_mechanics_finish(sim->shells, body, positions, triangles);
 }
 
+double pel_sim_bending_error(const pel_sim *sim, int32_t body)
+{
+    const double *unknowns;
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &unknowns);
+    return tangent != NULL ? pel_mechanics_midedge_error(tangent, unknowns, sim->pool, body) : 0;
+}
+
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 {
     if (!pel_sim_has_body(sim, body) || forces == NULL)

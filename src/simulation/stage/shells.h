@@ -15,6 +15,8 @@ void pel_shells_apply(pel_sim *sim, pel_span span, pel_gains gains);
 void pel_shells_follow(pel_sim *sim, int32_t body);
 /* the settle_edges of the stepper; null without mid-edge bending */
 pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns);
+/* How much a body with mid-edge bending gives way more than the plate, as a share of its energy; 0 for others. */
+double pel_sim_bending_error(const pel_sim *sim, int32_t body);
 /* PEL_DIVERGED when a pressure turned a body inside out in this step */
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
