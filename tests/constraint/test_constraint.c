@@ -1,7 +1,9 @@
 /* Surfaces that touch while an energy is minimised: collapsing shells stay free of intersections and come to rest,
    friction sticks and slips. */
+#include "constraint/constraint.h"
 #include "math/vec3.h"
 #include "minimise/rounds.h"
+#include "random.h"
 #include "sim/contact_scene.h"
 #include "stage/stage.h"
 
@@ -169,6 +171,50 @@ static void test_standstill(void **unused)
     assert_true(solver_of(sim).converged);
     free(x);
     free(y);
+    scene_end(&scene, sim);
+}
+
+/* What an update tells is the largest change of a load, as a gap, and of friction, over the tolerance of each. */
+static void test_update(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    random_state random = {5};
+    scene_begin(&scene, PEL_METHOD_DESCENT);
+    scene_body(&scene, make_sphere(4));
+    scene.bodies[0].volumetric_stiffness.value = 10;
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_BOX);
+    tool->half_extents[0] = tool->half_extents[1] = 2;
+    tool->half_extents[2] = 0.1;
+    scene_move(&scene, 0, 0, 0, 1.11, 1.05, 0.05);
+    scene.def.contact.friction = 0.3;
+    scene.def.solver.iterations = 400;
+    pel_sim *sim = scene_create(&scene);
+    run_steps(sim, 10);
+    pel_minimise *minimise = sim->minimise;
+    const size_t count = (size_t)minimise->count;
+    pel_minimise_contact *before = malloc(count * sizeof *before);
+    int changed = 0;
+    for (int round = 0; round < 20; round++) {
+        /* along the plate alone, then all ways */
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            for (int k = 0; k < (round < 10 ? 2 : 3); k++)
+                minimise->position[3 * v + k] += random_between(&random, -1e-5, 1e-5);
+        memcpy(before, minimise->constraints, count * sizeof *before);
+        pel_contact_change change = pel_minimise_contacts_update(sim);
+        double gap = 0, slip = 0;
+        for (size_t c = 0; c < count; c++) {
+            const pel_minimise_contact *now = &minimise->constraints[c];
+            double way = pel_vec3_distance(now->drag, before[c].drag);
+            slip = fmax(slip, way / (now->across * now->tolerance));
+            gap = fmax(gap, fabs(now->load - before[c].load) / (now->share * now->stiffness * now->tolerance));
+        }
+        assert_near(change.slip, slip, 1e-12 * slip);
+        assert_near(change.gap, gap, 1e-12 * gap + 1e-12);
+        changed += slip > 0 && (round < 10 || gap > 0);
+    }
+    assert_true(changed > 15);
+    free(before);
     scene_end(&scene, sim);
 }
 
@@ -396,7 +442,7 @@ int main(void)
         cmocka_unit_test(test_collapse),   cmocka_unit_test(test_plates), cmocka_unit_test(test_friction),
         cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),  cmocka_unit_test(test_refined),
         cmocka_unit_test(test_mesh_after), cmocka_unit_test(test_jam),    cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_stack),      cmocka_unit_test(test_update),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
