@@ -476,6 +476,29 @@ static void test_refusals(void **state)
     refuse(make_ball(0.1, 3, 0, 0, 0), PEL_METHOD_STATIC, "is a rigid sphere, which this method does not know");
 }
 
+/* Spheres that overlap at the start are refused, whatever their meshes do; meshes that touch are not, though their
+   spheres overlap a little, and part. */
+static void test_start(void **state)
+{
+    (void)state;
+    static const double center[3] = {0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        rigid_scene scene;
+        pel_error error = {0};
+        rigid_scene_begin(&scene);
+        add_ball(&scene, 0.05, 6, 0, 0, 0.05 + (i < 2 ? 0.045 : 0.0999));
+        if (i % 2 == 0)
+            add_ball(&scene, 0.05, 6, 0, 0, 0);
+        else
+            rigid_scene_add(&scene, make_box(0.1, 0.1, i == 1 ? 0.1 : 0.1999, center), 1000);
+        pel_status status = rigid_scene_try(&scene, &error);
+        assert_int_equal(status, i < 2 ? PEL_BAD_ARGUMENT : PEL_OK);
+        if (i < 2)
+            assert_string_equal(error.what, "the sphere of body 'b0' overlaps body 'b1' by 0.005 m at the start");
+        rigid_scene_end(&scene);
+    }
+}
+
 /* two balls that touch, after a step */
 static pel_status step_two(const void *meshes, pel_error *error)
 {
@@ -521,7 +544,7 @@ int main(void)
         cmocka_unit_test(test_impacts),  cmocka_unit_test(test_search),    cmocka_unit_test(test_round),
         cmocka_unit_test(test_shape),    cmocka_unit_test(test_collision), cmocka_unit_test(test_roll),
         cmocka_unit_test(test_heap),     cmocka_unit_test(test_tools),     cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),    cmocka_unit_test(test_start),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

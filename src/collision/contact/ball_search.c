@@ -181,3 +181,19 @@ pel_status pel_contact_balls_join(pel_contact_set *set, double distance, bool fo
         status = pair_triangles(set, for_layers, error);
     return status == PEL_OK && set->ball_pair_count > 0 ? merge(set, found, error) : status;
 }
+
+pel_status pel_contact_balls_find_deepest(pel_contact_set *set, pel_collision *deepest, double *depth, pel_error *error)
+{
+    pel_collision_result found = {.collision_count = 0};
+    *depth = 0;
+    pel_status status = pel_contact_balls_join(set, 0, false, &found, error);
+    for (int64_t i = 0; status == PEL_OK && i < found.collision_count; i++) {
+        pel_collision pair = found.collisions[i];
+        double own = pel_contact_pair_radius(set, pair.vertices) - pel_contact_measure_start(set, &pair);
+        if (!(own > *depth))
+            continue;
+        *depth = own;
+        *deepest = pair;
+    }
+    return status;
+}

@@ -466,6 +466,9 @@ int32_t pel_contact_ball_point(const pel_contact_set *set, int32_t second);
    and end or, for layers, that may touch. PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_balls_join(pel_contact_set *set, double distance, bool for_layers, pel_collision_result *found,
                                   pel_error *error);
+/* The pair with a ball that overlaps most at `start`, by a depth [m]; 0 = none does. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_balls_find_deepest(pel_contact_set *set, pel_collision *deepest, double *depth,
+                                          pel_error *error);
 
 /* ---- ball_impact.c ---- */
 /* impact of a pair with a ball, nearer than a distance [m]; time above 1 = it is free */

@@ -76,11 +76,30 @@ static pel_status refuse_tools(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
+/* Balls whose spheres overlap other surfaces; meshes that touch may lie this share of a radius deeper. */
+#define BALL_SHARE 0.02
+
+static pel_status refuse_balls(const pel_sim *sim, pel_error *error)
+{
+    pel_collision pair = {.first = 0};
+    double depth;
+    pel_status status = pel_contact_balls_find_deepest(sim->contacts, &pair, &depth, error);
+    if (status != PEL_OK || !(depth > BALL_SHARE * pel_rigid_radius(sim->rigids, pair.vertices[0])))
+        return status;
+    char first[NAME_ROOM], second[NAME_ROOM];
+    pel_contacts_name_group(sim, sim->contacts->group_of_point[pair.vertices[0]], first, sizeof first);
+    pel_contacts_name_group(sim, sim->contacts->group_of_point[pair.vertices[3]], second, sizeof second);
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "pull them apart, or accept it with contact: { start: tangled }",
+                      "the sphere of %s overlaps %s by %.2g m at the start", first, second, depth);
+}
+
 pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error)
 {
     pel_status status = refuse_tools(sim, error);
     if (status == PEL_OK && sim->contacts->tangles.count > 0 && !sim->touch->def.allow_tangled)
         status = refuse_pairs(sim, error);
+    if (status == PEL_OK && !sim->touch->def.allow_tangled)
+        status = refuse_balls(sim, error);
     return status;
 }
 
