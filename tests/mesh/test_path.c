@@ -173,6 +173,26 @@ static void test_circles(void **unused)
     }
 }
 
+/* points far apart on a ball: the line between them is deep inside, the path goes over the surface above it */
+static void test_chords(void **unused)
+{
+    (void)unused;
+    random_state random = {5};
+    for (int round = 0; round < ROUNDS(12, 4); round++) {
+        pel_shape_def ball = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+        ball.frequency = 30;
+        double turn = random_between(&random, 0, 6.28), height = random_between(&random, -0.1, 0.1), arc = 0.86;
+        const double points[2][3] = {{cos(turn), sin(turn), height}, {cos(turn + arc), sin(turn + arc), height}};
+        traced t;
+        pel_status status = trace_on(make_surface(&ball), points, 2, &t);
+        if (status != PEL_OK)
+            fail_msg("round %d: %s", round, t.error.what);
+        check_path(&t, false, 6);
+        assert_near(length_of(&t) / arc, 1, 0.03);
+        end_trace(&t);
+    }
+}
+
 /* a bend has a vertex */
 static void test_bends(void **unused)
 {
@@ -204,6 +224,7 @@ static void test_refusals(void **unused)
         {{{2, 0, 0}, {0, 0, 0}, {0, 0.2, 0}}, "begins off the surface", "1.5 m away"},
         {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, "leaves the surface", "end it at the border"},
         {{{-0.3, 0, 0}, {0, 0, 3}, {0.3, 0, 0}}, "the point (0, 0, 3) of the path lies 3 m off the surface", "at rest"},
+        {{{-0.3, 0, 0}, {0, 0, 0.26}, {0.3, 0, 0}}, "the point (0, 0, 0.26) of the path lies 0.26 m off", "at rest"},
         {{{-0.3, 0, 0}, {0, 0, 0}, {0.2, 0, -0.4}}, "the point (0.2, 0, -0.4) of the path lies 0.4 m off", "at rest"},
         {{{-0.3, 0, 0}, {0.3, 0, 0}, {-0.3, 0.001, 0}}, "finds no edge", "refine the mesh"}};
     for (size_t f = 0; f < sizeof faults / sizeof *faults; f++) {
@@ -218,8 +239,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lines), cmocka_unit_test(test_borders),  cmocka_unit_test(test_circles),
-        cmocka_unit_test(test_bends), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_lines), cmocka_unit_test(test_borders), cmocka_unit_test(test_circles),
+        cmocka_unit_test(test_bends), cmocka_unit_test(test_chords),  cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

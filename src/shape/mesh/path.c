@@ -353,9 +353,12 @@ static void look_ahead(walk *w, int32_t tip, double stop, double limit, choice *
     static const double factors[FACTORS] = {1, 0.8, 1.25, 0.65, 1.5};
     const pel_topology *t = w->topology;
     double size = mean_edge(w, tip), left = stop - w->at, ahead[3], edge[3];
-    double steps = pel_max(1, floor(left / size + 0.65)), step = left / steps;
+    double steps = pel_max(1, floor(left / size + 0.65)), step = left / steps, normal[3];
     point_at(w, w->at + step, ahead);
     pel_vec3_subtract(ahead, w->mesh->positions[tip], ahead);
+    /* along the surface: a straight line between points is deep below a curved one */
+    normal_at(w, tip, normal);
+    pel_vec3_along(ahead, -pel_vec3_dot(ahead, normal), normal, ahead);
     for (int32_t h = t->corner_of_vertex[tip]; h >= 0; h = turn(w, tip, h)) {
         int32_t v = pel_half_edge_target(t, h);
         if (t->twin[h] < 0)
@@ -396,16 +399,52 @@ static double distance_off(const walk *w, int32_t point)
     return sqrt(least);
 }
 
+/* the vertex with triangles nearest to a point */
+static int32_t nearest_vertex(const walk *w, const double x[3])
+{
+    double least = HUGE_VAL;
+    int32_t nearest = 0;
+    for (int32_t v = 0; v < w->mesh->vertex_count; v++) {
+        double distance = pel_vec3_distance(w->mesh->positions[v], x);
+        if (w->topology->corner_of_vertex[v] < 0 || distance >= least)
+            continue;
+        least = distance;
+        nearest = v;
+    }
+    return nearest;
+}
+
+static pel_status fail_point(const walk *w, int32_t point, pel_error *error)
+{
+    const double *x = w->points[point];
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "give points on the surface at rest",
+                      "the point (%.4g, %.4g, %.4g) of the path lies %.3g m off the surface", x[0], x[1], x[2],
+                      distance_off(w, point));
+}
+
+/* points above or below the surface; those beyond its border are found on the way */
+static pel_status check_points(const walk *w, pel_error *error)
+{
+    for (int32_t i = 0; i < w->point_count; i++) {
+        int32_t v = nearest_vertex(w, w->points[i]);
+        double normal[3], arm[3];
+        normal_at(w, v, normal);
+        pel_vec3_subtract(w->points[i], w->mesh->positions[v], arm);
+        if (fabs(pel_vec3_dot(arm, normal)) > FAR_OFF * mean_edge(w, v))
+            return fail_point(w, i, error);
+    }
+    return PEL_OK;
+}
+
 /* no edge leads on from the tip, because the path leads off the surface or for want of room */
 static pel_status fail_ahead(const walk *w, int32_t tip, pel_error *error)
 {
-    const double *x = w->points[w->trace->failed_point], off = distance_off(w, w->trace->failed_point);
-    if (off > NEAR_BORDER * mean_edge(w, tip))
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "give points on the surface at rest",
-                          "the point (%.4g, %.4g, %.4g) of the path lies %.3g m off the surface", x[0], x[1], x[2],
-                          off);
+    if (distance_off(w, w->trace->failed_point) > NEAR_BORDER * mean_edge(w, tip))
+        return fail_point(w, w->trace->failed_point, error);
     return fail_walk(w, "finds no edge ahead",
-                     "keep it apart from itself and from the border, or refine the mesh there", error);
+                     "keep it apart from itself and from the border, give more points where the surface is curved, or "
+                     "refine the mesh there",
+                     error);
 }
 
 static void take(walk *w, const choice *best)
@@ -460,17 +499,9 @@ static pel_status go(walk *w, pel_error *error)
 static pel_status begin(walk *w, pel_error *error)
 {
     const double *first = w->points[0];
-    double least = HUGE_VAL, slid[3];
-    int32_t start = 0;
-    for (int32_t v = 0; v < w->mesh->vertex_count; v++) {
-        double distance = pel_vec3_distance(w->mesh->positions[v], first);
-        if (w->topology->corner_of_vertex[v] < 0 || distance >= least)
-            continue;
-        least = distance;
-        start = v;
-    }
-    double size = mean_edge(w, start);
-    if (least > FAR_OFF * size) {
+    int32_t start = nearest_vertex(w, first);
+    double size = mean_edge(w, start), slid[3];
+    if (pel_vec3_distance(w->mesh->positions[start], first) > FAR_OFF * size) {
         const double *x = w->mesh->positions[start];
         fail_walk(w, "begins off the surface", "", error);
         pel_fail_remedy(error, "begin on the surface, %.3g m away; the nearest vertex is at (%.4g, %.4g, %.4g)",
@@ -528,6 +559,8 @@ pel_status pel_path_trace_points(pel_mesh *mesh, const pel_topology *topology, c
         w.places[i] = w.places[i - 1] + pel_vec3_distance(points[i - 1], points[i]);
     if (status == PEL_OK)
         status = begin(&w, error);
+    if (status == PEL_OK)
+        status = check_points(&w, error);
     if (status == PEL_OK)
         status = go(&w, error);
     for (int32_t i = 0; i < trace->count; i++)

@@ -15,9 +15,9 @@ typedef struct pel_path_trace {
    Vertices with marks (vertex_count) stay where they are: those of other paths; new ones are marked. Vertices on the
    border move along straight borders only. Each step goes half the edges of the mesh ahead and half its own, to the
    neighbour that leaves the best smallest angle around it; where all would leave angles below 12 degrees, the path
-   follows the edge that is nearest to it as it is. PEL_BAD_ARGUMENT if a point is farther from the surface than twice
-   the edges there, the path leaves the surface or meets itself; the mesh may have moved then. PEL_OUT_OF_MEMORY. Free
-   the vertices with pel_free. */
+   follows the edge that is nearest to it as it is. PEL_BAD_ARGUMENT if a point is farther above or below the
+   surface than twice the mean edge at the vertex nearest to it, the first one is farther from that, the path leaves the
+   surface or meets itself; the mesh may have moved then. PEL_OUT_OF_MEMORY. Free the vertices with pel_free. */
 pel_status pel_path_trace_points(pel_mesh *mesh, const pel_topology *topology, const double (*points)[3],
                                  int32_t point_count, uint8_t *marks, pel_path_trace *trace, pel_error *error);
 
