@@ -278,12 +278,13 @@ static void test_mesh_after(void **unused)
     pel_mesh_destroy(ball);
 }
 
-/* N, mean force of a plate on a sheet that it and a table leave half of the two layers */
-static double jam_force(double dt)
+/* N, force of a plate on a sheet that it and a table leave a share of the two layers: at once, and how much it changes
+   while nothing moves */
+static double jam_force(double dt, int32_t cells, double height, double *drift)
 {
     contact_scene scene;
     scene_begin(&scene, PEL_METHOD_IMPLICIT);
-    scene_body(&scene, make_sheet(6, 0));
+    scene_body(&scene, make_sheet(cells, 0));
     scene.bodies[0].spring_stiffness.value = scene.bodies[0].spring_damping.value = 0;
     scene.bodies[0].shell.membrane.on = true;
     scene.bodies[0].shell.membrane.young.value = 1e5;
@@ -292,32 +293,44 @@ static double jam_force(double dt)
     scene.def.contact.thickness = 0.1;
     for (int t = 0; t < 2; t++)
         pel_vec3_set(scene_tool(&scene, PEL_TOOL_BOX)->half_extents, 2, 2, 0.1);
-    scene_move(&scene, 0, 0.5, 0.5, 0.21, 0.15, 0.2);
+    scene_move(&scene, 0, 0.5, 0.5, 0.21, 0.1 + height, 0.2);
     scene_move(&scene, 1, 0.5, 0.5, -0.2, -0.2, 1);
     pel_sim *sim = scene_create(&scene);
-    double force = 0;
+    double least = HUGE_VAL, most = 0;
     int count = (int)(0.1 / dt + 0.5);
-    run_free(sim, 2 * count);
+    run_free(sim, 3 * count);
     for (int n = 0; n < count; n++) {
         pel_tool_reading reading;
         run_steps(sim, 1);
         pel_sim_get_tool(sim, 0, &reading);
-        force += reading.force[2] / count;
+        assert_true(reading.force_known);
+        least = fmin(least, reading.force[2]);
+        most = fmax(most, reading.force[2]);
     }
     assert_true(solver_of(sim).converged);
     scene_end(&scene, sim);
-    return force;
+    *drift = most / least - 1;
+    return most;
 }
 
-/* No load closes the gaps of a sheet in too narrow a room: its layers give way, so that the force stays bounded as
-   steps become shorter. Rigid gaps have none: multipliers grow from round to round, until the step diverges. */
+/* No load closes the gaps of a sheet in too narrow a room: its layers give way by their law, whatever the steps and the
+   mesh, although a vertex is pressed by its own pair and by those of its edges. The sheet of area 1 and modulus 1e5 N/m
+   has the load (d / h) / (1 - d / h) E A with the depth d and the slack of gaps, 5 % of the thickness. Gaps may be
+   wrong by 3.75 % of it, so that forces are not exact. Rigid gaps have none: multipliers grow from round to round,
+   until the step diverges. */
 static void test_jam(void **unused)
 {
     (void)unused;
-    double coarse = jam_force(0.02), fine = jam_force(0.005);
-    print_message("force %g N in steps of 20 ms, %g N in steps of 5 ms\n", coarse, fine);
-    assert_true(coarse > 0);
-    assert_true(fine < 2 * coarse);
+    for (int i = 0; i < 2; i++) {
+        double height = i == 0 ? 0.05 : 0.02, drift, strain = (0.1 - height) / 0.2 + 0.05;
+        double expected = 1e5 * strain / (1 - strain);
+        for (int k = 0; k < ROUNDS(4, 1); k++) {
+            double force = jam_force((const double[4]){0.02, 0.01, 0.005, 0.002}[k], k == 1 ? 4 : 6, height, &drift);
+            print_message("height %g: force %g N, law %g N, drift %g\n", height, force, expected, drift);
+            assert_true(drift < 0.05);
+            assert_near(force, expected, 0.1 * expected);
+        }
+    }
 }
 
 /* A finger presses a cloth on a table too far, where steps find no balance: the systems of each are bounded, no surface
@@ -429,9 +442,16 @@ static void test_stack(void **unused)
     assert_in_range(between, 2 * scene.meshes[0]->vertex_count, 16 * scene.meshes[0]->vertex_count);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         mass += (double)sim->model->mass[v];
-    pel_tool_reading reading;
-    pel_sim_get_tool(sim, 0, &reading);
-    assert_near(fabs(reading.force[2]), 9.81 * mass, 0.01 * mass);
+    /* the mean of steps, each of which is balanced to 0.1 % of all forces */
+    double force = 0;
+    enum { MEAN_STEPS = 40 };
+    for (int n = 0; n < MEAN_STEPS; n++) {
+        pel_tool_reading reading;
+        run_steps(sim, 1);
+        pel_sim_get_tool(sim, 0, &reading);
+        force -= reading.force[2] / MEAN_STEPS;
+    }
+    assert_near(force, 9.81 * mass, 0.01 * mass);
     free(sum);
     scene_end(&scene, sim);
 }

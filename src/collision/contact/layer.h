@@ -16,6 +16,23 @@ typedef struct pel_contact_layer {
    press in in steps of dt [s]. */
 double pel_contact_layer_compliance(const pel_contact_layer *layer, double mass, double speed, double dt);
 
+/* how far a layer gives way under a load [m], with the derivative [m/N] */
+typedef struct pel_layer_state {
+    double depth, slope;
+} pel_layer_state;
+
+/* The law of a layer that is `compliance` soft at first and stiffens as it is pressed together:
+
+       load = (depth / compliance) / (1 - depth / thickness)
+
+   up to a depth of PEL_LAYER_STRAIN of the thickness, and its tangent beyond, so that what is pressed on however far
+   has a load. Both functions are inverse to each other. Without compliance there is no depth. */
+#define PEL_LAYER_STRAIN 0.9
+pel_layer_state pel_contact_layer_state(double compliance, double thickness, double load);
+double pel_contact_layer_load(double compliance, double thickness, double depth);
+/* J, that a load has stored in it: the integral of the load over the depth. */
+double pel_contact_layer_energy(double compliance, double thickness, double load);
+
 /* of the thickness: what is nearer to its layer is looked at in every substep */
 #define PEL_CONTACT_NEAR_SHARE 0.1
 

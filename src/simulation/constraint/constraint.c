@@ -5,6 +5,7 @@
 #include "base/sort.h"
 #include "base/status.h"
 #include "boundary/hold.h"
+#include "contact/layer.h"
 #include "contact/set.h"
 #include "math/extremes.h"
 #include "pellicle/geometry.h"
@@ -23,8 +24,6 @@ enum { ESTIMATE_SWEEPS = 20 };
 
 /* of the thickness */
 #define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
-/* of the thickness: depth beyond which a layer is as stiff as it needs to be */
-#define MOST_DEPTH 0.9
 /* of the stiffness of bodies: a layer up to this acts by its depth alone; how much stiffer what goes with it is */
 #define MOST_LAYER 10
 #define ALONE 1e3
@@ -134,21 +133,16 @@ void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *c
     meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
 }
 
-/* m/N, of the layer as it acts */
-static double layer_of(const pel_minimise_contact *constraint)
+/* m/N, slope of the layer under the load */
+static double slope_of(const pel_minimise_contact *constraint)
 {
     return (1 / constraint->share - 1) / constraint->stiffness;
-}
-
-double pel_minimise_contact_depth(const pel_minimise_contact *constraint)
-{
-    return constraint->load * layer_of(constraint);
 }
 
 /* N, of the layer at a gap, below 0 where it does not act */
 static double load_at(const pel_minimise_contact *constraint, double gap)
 {
-    return constraint->share * (constraint->load - constraint->stiffness * gap);
+    return constraint->load - constraint->share * constraint->stiffness * (gap + constraint->depth);
 }
 
 /* the friction force, without limit, for the displacement since the start of the step; false without friction */
@@ -318,9 +312,8 @@ void pel_minimise_contacts_list_kinks(pel_sim *sim, const double *position, pel_
         pel_newton_kink *kink = &kinks[c];
         pel_gap_sample meeting;
         pel_minimise_contact_meet(sim, constraint, position, &meeting);
-        *kink = (pel_newton_kink){.gap = meeting.gap,
-                                  .load = constraint->share * constraint->load,
-                                  .stiffness = constraint->share * constraint->stiffness};
+        *kink = (pel_newton_kink){
+            .gap = meeting.gap, .load = load_at(constraint, 0), .stiffness = constraint->share * constraint->stiffness};
         memcpy(kink->vertices, constraint->vertices, sizeof kink->vertices);
         memcpy(kink->weights, meeting.weights, sizeof kink->weights);
         pel_vec3_copy(meeting.normal, kink->normal);
@@ -361,16 +354,79 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
     pel_minimise_contact *added = &minimise->constraints[minimise->count++];
     *added = *constraint;
     double own = minimise->stiffness / free;
-    double most = added->load > 0 ? MOST_DEPTH * added->thickness / added->load : HUGE_VAL;
-    double compliance = minimise->penalty >= PEL_JAM_PENALTY ? pel_min(added->compliance, most) : 0;
+    added->compliance = minimise->penalty >= PEL_JAM_PENALTY ? added->compliance : 0;
     added->grip = added->load;
     added->stiffness = minimise->penalty * own;
-    if (compliance * MOST_LAYER * own > 1)
-        added->stiffness = pel_max(added->stiffness, ALONE / compliance);
-    added->share = 1 / (1 + added->stiffness * compliance);
+    added->share = 1;
     added->across = (minimise->inertia != NULL ? SOFT_FRICTION : 1) * minimise->penalty * own;
     pel_vec3_along(added->drag, -pel_vec3_dot(added->drag, added->normal), added->normal, added->drag);
     return PEL_OK;
+}
+
+/* ---- layers ---- */
+
+/* the side of a vertex that the i-th weight of a constraint pushes it to */
+static int side_of(const pel_minimise_contact *constraint, int i, const pel_minimise_pressed *pressed)
+{
+    return pel_vec3_dot(pressed->direction, constraint->normal) * constraint->weights[i] < 0;
+}
+
+/* Of the side of a constraint that is pressed less, if there are two, in the mean of its points: [0] the load on a
+   point, [1] the number of pairs that press it. */
+static void find_pressed(const pel_minimise *minimise, const pel_minimise_contact *constraint, double pressed[2])
+{
+    double loads[2] = {0, 0}, pairs[2] = {0, 0};
+    for (int i = 0; i < 4; i++) {
+        const pel_minimise_pressed *own = &minimise->pressed[constraint->vertices[i]];
+        int side = side_of(constraint, i, own), part = constraint->weights[i] > 0;
+        loads[part] += fabs(constraint->weights[i]) * own->load[side];
+        pairs[part] += fabs(constraint->weights[i]) * own->pairs[side];
+    }
+    int part = loads[1] > 0 && (loads[0] > loads[1] || !(loads[0] > 0));
+    pressed[0] = pel_max(constraint->load, loads[part]);
+    pressed[1] = pel_max(1, pairs[part]);
+}
+
+static void press_vertex(const pel_minimise_contact *constraint, int i, pel_minimise_pressed *pressed)
+{
+    double weight = fabs(constraint->weights[i]);
+    if (pressed->load[0] == 0)
+        pel_vec3_scale(constraint->normal, constraint->weights[i] < 0 ? -1 : 1, pressed->direction);
+    int side = side_of(constraint, i, pressed);
+    pressed->load[side] += weight * constraint->load;
+    pressed->pairs[side] += weight;
+}
+
+/* Where surfaces lie flat on each other a vertex is pressed by several pairs: its layer gives way by the sum of their
+   loads. Each takes its share of the tangent. */
+void pel_minimise_contacts_press(pel_sim *sim)
+{
+    pel_minimise *minimise = sim->minimise;
+    memset(minimise->pressed, 0, (size_t)sim->model->vertex_count * sizeof *minimise->pressed);
+    for (int32_t c = 0; c < minimise->count; c++)
+        for (int i = 0; i < 4 && minimise->constraints[c].load > 0; i++)
+            if (minimise->constraints[c].weights[i] != 0)
+                press_vertex(&minimise->constraints[c], i, &minimise->pressed[minimise->constraints[c].vertices[i]]);
+    for (int32_t c = 0; c < minimise->count; c++) {
+        pel_minimise_contact *constraint = &minimise->constraints[c];
+        double pressed[2];
+        find_pressed(minimise, constraint, pressed);
+        const pel_layer_state layer =
+            pel_contact_layer_state(constraint->compliance, constraint->thickness, pressed[0]);
+        double slope = layer.slope * pressed[1];
+        if (slope * MOST_LAYER * constraint->stiffness > minimise->penalty)
+            constraint->stiffness = pel_max(constraint->stiffness, ALONE / slope);
+        constraint->depth = layer.depth;
+        constraint->share = 1 / (1 + constraint->stiffness * slope);
+    }
+}
+
+bool pel_minimise_contacts_jam(const pel_sim *sim)
+{
+    for (int32_t c = 0; c < sim->minimise->count; c++)
+        if (sim->minimise->constraints[c].depth > sim->minimise->constraints[c].tolerance)
+            return true;
+    return false;
 }
 
 /* a load may turn against its last change so often */
@@ -447,7 +503,7 @@ pel_contact_change pel_minimise_contacts_update(pel_sim *sim)
 static bool find_left(const pel_sim *sim, const pel_minimise_contact *constraint, const pel_gap_sample *meeting,
                       const double *stiffness, const double *force, double left[3])
 {
-    double square = 0, slip[3], layer = stiffness != NULL ? layer_of(constraint) : 0;
+    double square = 0, slip[3], slope = stiffness != NULL ? slope_of(constraint) : 0;
     pel_vec3_set(left, 0, 0, 0);
     for (int i = 0; i < 4; i++) {
         int32_t v = constraint->vertices[i];
@@ -466,7 +522,7 @@ static bool find_left(const pel_sim *sim, const pel_minimise_contact *constraint
         return false;
     /* the layer gives way by the load */
     double along = pel_vec3_dot(left, meeting->normal),
-           given = (along + layer * constraint->load) / (1 + layer / square);
+           given = (along + (stiffness != NULL ? constraint->depth : 0)) / (1 + slope / square);
     pel_vec3_along(left, given - along, meeting->normal, left);
     pel_vec3_scale(left, -1 / square, left);
     return true;
@@ -494,9 +550,11 @@ static void balance(const pel_sim *sim, pel_minimise_contact *constraint, double
 void pel_minimise_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness)
 {
     pel_minimise *minimise = sim->minimise;
-    for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++)
+    for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++) {
         for (int32_t c = 0; c < minimise->count; c++)
             balance(sim, &minimise->constraints[c], reach + minimise->constraints[c].tolerance, stiffness, force);
+        pel_minimise_contacts_press(sim);
+    }
 }
 
 /* ---- from step to step ---- */
@@ -511,12 +569,12 @@ static bool is_before(const pel_minimise_load *a, const pel_minimise_load *b)
 
 PEL_DEFINE_SORT(sort_loads, pel_minimise_load, is_before)
 
-/* what has room in snapshots: one for each vertex */
 void pel_minimise_contacts_keep(pel_sim *sim)
 {
     pel_minimise *minimise = sim->minimise;
+    int32_t room = PEL_KEPT_PAIRS * sim->model->vertex_count;
     minimise->kept_count = 0;
-    for (int32_t c = 0; c < minimise->count && minimise->kept_count < sim->model->vertex_count; c++) {
+    for (int32_t c = 0; c < minimise->count && minimise->kept_count < room; c++) {
         const pel_minimise_contact *constraint = &minimise->constraints[c];
         if (!(constraint->load > 0))
             continue;
@@ -574,6 +632,7 @@ void pel_minimise_contacts_take_kept(pel_sim *sim)
         constraint->load = constraint->grip = kept->load;
         pel_vec3_along(kept->drag, -pel_vec3_dot(kept->drag, constraint->normal), constraint->normal, constraint->drag);
     }
+    pel_minimise_contacts_press(sim);
 }
 
 double pel_minimise_contacts_force(const pel_sim *sim)
@@ -838,11 +897,13 @@ void pel_minimise_contacts_keep_loads(pel_sim *sim)
 static double layer_misfit(const pel_sim *sim, const pel_minimise_contact *constraint)
 {
     pel_gap_sample meeting;
-    double layer = layer_of(constraint);
-    if (!(pel_minimise_contact_depth(constraint) > constraint->tolerance))
+    if (!(constraint->depth > constraint->tolerance))
         return 0;
     pel_minimise_contact_meet(sim, constraint, sim->minimise->position, &meeting);
-    return fabs(constraint->load - pel_max(0, -meeting.gap) / layer);
+    double pressed[2];
+    find_pressed(sim->minimise, constraint, pressed);
+    return constraint->load / pressed[0] *
+           fabs(pressed[0] - pel_contact_layer_load(constraint->compliance, constraint->thickness, -meeting.gap));
 }
 
 void pel_minimise_contacts_doubt(pel_sim *sim, bool all)

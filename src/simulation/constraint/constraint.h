@@ -11,10 +11,12 @@ void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *c
 /* Where surfaces press from all sides, some gaps do not close under any load: under constraints this stiff, relative to
    the bound of bodies and inertia, the layers of pairs give way by their loads, and gaps have more tolerance. */
 #define PEL_JAM_PENALTY 6
-/* m, by which the layer of a pair gives way */
-double pel_minimise_contact_depth(const pel_minimise_contact *constraint);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *constraint, pel_error *error);
+/* After loads have changed: the tangents of the layers under them. */
+void pel_minimise_contacts_press(pel_sim *sim);
+/* Whether a layer gives way by more than the tolerance of its gap. */
+bool pel_minimise_contacts_jam(const pel_sim *sim);
 /* Adds energy [J] and forces at positions. */
 double pel_minimise_contacts_evaluate(pel_sim *sim, const double *position, double *force);
 /* Second derivatives of a constraint's part. False where it does not act. */

@@ -8,7 +8,9 @@
 
    whose gradient is that of the Lagrangian with the next loads, load_k = max(0, load_k - stiffness_k c_k): a minimum of
    L is at rest under forces that press and never pull, and round by round the gaps close as well. A tool feels the sum
-   of its loads.
+   of its loads. A layer gives way by a depth d(load), so that its gap has to be -d(load): with the tangent at the load
+   of the last round, load_k + share_k (-stiffness_k) (c_k + d(load_k)) with share_k = 1 / (1 + stiffness_k d'(load_k))
+   takes the place of load_k - stiffness_k c_k. Since d is concave this is Newton's method from below.
 
    Friction resists the tangential displacement u of a point since the start of the step, in the same way: with t = drag
    - stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and proportional to
@@ -25,11 +27,19 @@
 /* Numbers that name a pair. */
 enum { PEL_MINIMISE_PAIR = 6 };
 
+/* Pairs of a vertex that are kept from step to step, in the mean. */
+enum { PEL_KEPT_PAIRS = 4 };
+
 /* what a pair carried at the end of a step */
 typedef struct pel_minimise_load {
     int32_t pair[PEL_MINIMISE_PAIR];
     double load, drag[3]; /* N */
 } pel_minimise_load;
+
+/* What presses a vertex: towards the side where the first of its loads goes, and against that. */
+typedef struct pel_minimise_pressed {
+    double direction[3], load[2], pairs[2]; /* unit; N, sum of loads; how many pairs these are of */
+} pel_minimise_pressed;
 
 /* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
 typedef struct pel_minimise_contact {
@@ -37,8 +47,9 @@ typedef struct pel_minimise_contact {
     double weights[4], normal[3]; /* where it was found; the normal points out of the tool */
     double offset;                /* m: gap = sum of weights x . normal - offset; against a round tool the slack */
     double stiffness, across;     /* N/m, along the normal and of friction */
-    double share;                 /* of the force that stiffness gives, by the compliance of the layer */
-    double compliance, thickness; /* m/N and m, of the layer; 0 = rigid */
+    double share;                 /* of the force that stiffness gives, by the slope of the layer at the load */
+    double depth;                 /* m, by which the layer gives way under the load */
+    double compliance, thickness; /* m/N and m, of the layer (contact/layer.h); 0 = rigid */
     double tolerance;             /* m, of the gap */
     double load;                  /* N, along the normal */
     double grip;                  /* N, the load that limits friction: that at the last update or linear system */
@@ -81,7 +92,7 @@ struct pel_minimise {
     double stiffness;         /* 1/s2, bound of the stiffness of the bodies over mass */
     const double *inertia;    /* (vertex_count) N/m, springs that inertia is; null = none */
     /* in snapshots, for steps in time: what the next one begins with */
-    pel_minimise_load *kept; /* (kept_count, room for vertex_count) ascending by pair */
+    pel_minimise_load *kept; /* (kept_count, room for PEL_KEPT_PAIRS of each vertex) ascending by pair */
     int32_t kept_count;
     bool prefers_kept;   /* to loads that balance the forces at the start of a step: they were nearer to its end */
     double begun[2];     /* N, sums of the latter and of kept loads when the step began; not in snapshots */
@@ -103,6 +114,7 @@ struct pel_minimise {
     int32_t count, tool_count;
     const pel_newton_kink *kinks;  /* (count) say which constraints act; null = their gaps do */
     int32_t *constraint_of_vertex; /* (vertex_count) scratch: the number plus 1 of the last one there, 0 = none */
+    pel_minimise_pressed *pressed; /* (vertex_count) scratch */
     double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
 

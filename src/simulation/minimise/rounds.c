@@ -79,8 +79,8 @@ enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
 #define FAVOUR 4
 #define CLOSING 0.3
 #define FAR 20
-/* Where they jam, gaps may stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than
-   half of the rest. */
+/* Tolerances that gaps may stay open by, 0.3 of the thickness: in jams without layers, and in motion before layers give
+   way. The certified distance is less than half of the rest. */
 #define JAM_GAP 8
 /* A round limits friction by the loads at its last linear system. Largest difference from the limits by its own loads.
  */
@@ -315,10 +315,12 @@ static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_er
         status = pel_contacts_find_on_way(sim, error);
         *again = status == PEL_OK && go_back(sim);
     }
-    if (status != PEL_OK || !sees)
-        return status;
-    pel_contact_set_look_at_start(sim->contacts);
-    return pel_minimise_contacts_add_surfaces(sim, error);
+    if (status == PEL_OK && sees) {
+        pel_contact_set_look_at_start(sim->contacts);
+        status = pel_minimise_contacts_add_surfaces(sim, error);
+    }
+    pel_minimise_contacts_press(sim);
+    return status;
 }
 
 /* largest violation of newly found constraints, relative to tolerance */
@@ -330,7 +332,7 @@ static double deepest_gap(const pel_sim *sim)
         pel_gap_sample meeting;
         pel_minimise_contact_meet(sim, &minimise->constraints[c], minimise->position, &meeting);
         const pel_minimise_contact *constraint = &minimise->constraints[c];
-        deepest = pel_max(deepest, -(meeting.gap + pel_minimise_contact_depth(constraint)) / constraint->tolerance);
+        deepest = pel_max(deepest, -(meeting.gap + constraint->depth) / constraint->tolerance);
     }
     return deepest;
 }
@@ -500,7 +502,8 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         const pel_contact_change change = pel_minimise_contacts_update(sim);
         /* what sticks in motion comes to rest over steps, since drags are kept */
         double error_of_gaps = is_dynamic ? change.gap : pel_max(change.gap, change.slip);
-        double allowed = minimise->penalty >= PEL_JAM_PENALTY || (is_dynamic && sim->contacts != NULL) ? JAM_GAP : 1;
+        bool is_stiff = minimise->penalty >= PEL_JAM_PENALTY, is_rigid = sim->contacts == NULL;
+        double allowed = (is_rigid ? is_stiff : is_dynamic && !is_stiff) ? JAM_GAP : 1;
         if (round.converged && error_of_gaps > allowed && error_of_gaps > pel_min(CLOSING * before, FAR))
             minimise->penalty = pel_min(STIFFENING * minimise->penalty, MOST_PENALTY);
         before = error_of_gaps;
@@ -590,21 +593,12 @@ static void begin_loads(pel_minimise_context *context, double reach)
         pel_minimise_contacts_take_kept(sim);
 }
 
-/* whether a layer gives way by more than the tolerance of its gap */
-static bool is_jammed(const pel_minimise *minimise)
-{
-    bool any = false;
-    for (int32_t c = 0; c < minimise->count; c++)
-        any |= pel_minimise_contact_depth(&minimise->constraints[c]) > minimise->constraints[c].tolerance;
-    return any;
-}
-
-/* After an accepted step. What rests keeps its loads: updates without steps would add up. */
+/* after an accepted step; what rests keeps its loads, since updates without steps would add up */
 static void keep_loads(pel_sim *sim)
 {
     pel_minimise *minimise = sim->minimise;
     double sum = pel_minimise_contacts_sum(sim);
-    if (is_jammed(minimise))
+    if (pel_minimise_contacts_jam(sim))
         minimise->penalty = pel_max(minimise->penalty, PEL_JAM_PENALTY / SOFTENING);
     if (minimise->result.iterations == 0 && minimise->kept_count > 0)
         return;
@@ -763,7 +757,7 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(minimise->position, 3 * count), PEL_ROOM(minimise->force, 3 * count),
                           PEL_ROOM_ALIGNED(minimise->record, count), PEL_ROOM_ALIGNED(minimise->external, count),
                           PEL_ROOM(minimise->constraint_of_vertex, count), PEL_ROOM(minimise->shares, count),
-                          PEL_ROOM(minimise->kept, count)))
+                          PEL_ROOM(minimise->kept, PEL_KEPT_PAIRS * count), PEL_ROOM(minimise->pressed, count)))
         return pel_fail_memory(error);
     for (size_t v = 0; v < count; v++)
         minimise->shares[v] = 1;
@@ -796,8 +790,8 @@ void pel_minimise_destroy(pel_sim *sim)
     pel_sim_newton_destroy(sim);
     pel_tangent_destroy(minimise->tangent);
     PEL_FREE_ALL(minimise->position, minimise->force, minimise->record, minimise->external,
-                 minimise->constraint_of_vertex, minimise->shares, minimise->kept, minimise->constraints,
-                 minimise->others);
+                 minimise->constraint_of_vertex, minimise->shares, minimise->kept, minimise->pressed,
+                 minimise->constraints, minimise->others);
     pel_free(minimise);
 }
 
@@ -862,7 +856,7 @@ void pel_minimise_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 /* numbers of a damaged snapshot must not lead out of arrays */
 static void check_loaded(pel_minimise *minimise, int32_t vertex_count)
 {
-    if (minimise->kept_count < 0 || minimise->kept_count > vertex_count)
+    if (minimise->kept_count < 0 || minimise->kept_count > PEL_KEPT_PAIRS * vertex_count)
         minimise->kept_count = 0;
     if (minimise->spent_steps < 0 || minimise->spent_steps == INT32_MAX)
         minimise->spent_steps = 0;
@@ -889,7 +883,8 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->acted, sizeof sim->minimise->acted);
     pel_transfer(at, &sim->minimise->tool_way, sizeof sim->minimise->tool_way);
     pel_transfer(at, &sim->minimise->accepted, sizeof sim->minimise->accepted);
-    pel_transfer_list(at, sim->minimise->kept, (size_t)sim->model->vertex_count, sizeof *sim->minimise->kept);
+    pel_transfer_list(at, sim->minimise->kept, (size_t)sim->model->vertex_count,
+                      PEL_KEPT_PAIRS * sizeof *sim->minimise->kept);
     pel_transfer(at, &sim->minimise->kept_count, sizeof sim->minimise->kept_count);
     pel_transfer(at, &sim->minimise->prefers_kept, sizeof sim->minimise->prefers_kept);
     pel_transfer(at, &sim->minimise->penalty, sizeof sim->minimise->penalty);

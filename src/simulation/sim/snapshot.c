@@ -41,7 +41,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 26 };
+enum { SNAPSHOT_VERSION = 27 };
 
 typedef struct header {
     char magic[8];
