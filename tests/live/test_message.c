@@ -4,7 +4,10 @@
 
 #include "base/memory.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -178,9 +181,83 @@ static void test_mesh_and_axis(void **unused)
     }
 }
 
+/* the number of a key behind a place of a message */
+static double number_of(const char *text, const char *key)
+{
+    char words[64];
+    snprintf(words, sizeof words, "\"%s\":", key);
+    const char *found = strstr(text, words);
+    if (found == NULL)
+        fail_msg("no %s in %s", key, text);
+    return strtod(found + strlen(words), NULL);
+}
+
+/* The measures are those of the library, of a ball that a tool dents while it swings in drag. */
+static void test_measures(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nbodies:\n  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, membrane: { young: "
+        "1e4, "
+        "thickness: 0.01 }, mass: { density: 1000 } }\ntools: [ { shape: sphere, radius: 0.5, motion: [ { position: "
+        "[0, 0, "
+        "1.51] }, { time: 0.1, position: [0, 0, 1.3] } ] } ]\nsolver: { method: xpbd, dt: 0.01, drag: 1 }\n"
+        "contact: {}\nduration: 1\n";
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *sim;
+    pel_session *session;
+    size_t size;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
+    scene->sim.model = model;
+    assert_int_equal(pel_sim_create(&scene->sim, &sim, NULL), PEL_OK);
+    assert_int_equal(pel_session_create(scene, sim, &session, NULL), PEL_OK);
+    for (int i = 0; i < 15; i++)
+        assert_int_equal(pel_session_step(session, NULL), PEL_OK);
+    char *message = (char *)pel_message_summary(sim, session, &size);
+    assert_non_null(message);
+    char *all = malloc(size + 1);
+    memcpy(all, message, size);
+    all[size] = 0;
+    const char *own = strstr(all, "\"measures\":{");
+    assert_non_null(own);
+    pel_sim_measures m;
+    pel_sim_ledger ledger;
+    pel_sim_measure(sim, &m);
+    pel_sim_get_ledger(sim, &ledger);
+    const struct {
+        const char *key;
+        double number;
+    } cases[] = {{"volume", m.volume},
+                 {"volume_ratio", m.volume_ratio},
+                 {"area_ratio", m.area_ratio},
+                 {"elastic_energy", m.elastic_energy},
+                 {"kinetic_energy", m.kinetic_energy},
+                 {"max_displacement", m.max_displacement},
+                 {"contacts", (double)m.contact_count},
+                 {"work_hand", ledger.work_tools},
+                 {"dissipated", ledger.dissipated_drag + ledger.dissipated_solver},
+                 {"energy_error", ledger.energy_error}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double number = number_of(own, cases[i].key);
+        if (!(fabs(number - cases[i].number) <= 1e-5 * fabs(cases[i].number) + 1e-300))
+            fail_msg("%s: %g for %g", cases[i].key, number, cases[i].number);
+        if (cases[i].number == 0 && strcmp(cases[i].key, "contacts") != 0)
+            fail_msg("%s is 0", cases[i].key);
+    }
+    free(all);
+    pel_free(message);
+    pel_session_destroy(session);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_edges), cmocka_unit_test(test_moduli),
-                                       cmocka_unit_test(test_stiffnesses), cmocka_unit_test(test_mesh_and_axis)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_measures), cmocka_unit_test(test_edges),
+                                       cmocka_unit_test(test_moduli), cmocka_unit_test(test_stiffnesses),
+                                       cmocka_unit_test(test_mesh_and_axis)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -209,20 +209,13 @@ static void give_loads(const pel_adjoint_work *a)
             a->def->gravity[k] += sim->state->load_factor * (double)sim->model->mass[v] * a->multipliers[3 * v + k];
 }
 
-/* bending that follows young and thickness, because the def does not set it */
-static bool bending_follows(const pel_shell *shell)
-{
-    if (!shell->has_membrane || (shell->parts == NULL && shell->hinge_count == 0))
-        return false;
-    return shell->bends_as_membrane;
-}
-
 static void give_materials(const pel_adjoint_work *a)
 {
     for (int32_t b = 0; b < a->sim->model->body_count; b++) {
         const pel_tangent_derivative *sum = &a->bodies[b];
         const pel_shell *shell = a->sim->model->bodies[b].shell;
-        bool follows = shell != NULL && bending_follows(shell);
+        /* bending follows young and thickness where the def does not set it */
+        bool follows = shell != NULL && shell->bends_as_membrane;
         /* of oriented laws the sum by Poisson's ratio has that of bending */
         bool is_known = follows && !pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind));
         double bending = follows ? sum->bending : 0, poisson = is_known ? shell->law.poisson : 0;
