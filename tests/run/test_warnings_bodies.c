@@ -89,6 +89,14 @@ static void test_weightless_filling(void **unused)
     overrides[1] = "gravity=[0, 0, 0]";
     run_scene(SHELL, overrides, 3, NULL, 1, &summary);
     assert_null(find_warning(&summary, "weightless-filling"));
+    /* defaults of organs fill them, and so does fat */
+    const char *masses[] = {"bodies.0.mass.density=1000", "bodies.0.mass.density=900"};
+    for (int i = 0; i < 2; i++) {
+        run_scene("version: 1\nbodies: [{ name: cube, mesh: { shape: box, size_x: 0.1, size_y: 0.1, size_z: 0.1 } }]\n"
+                  "gravity: [0, 0, -9.81]\nstop: { frames: 2 }\n",
+                  &masses[i], 1, NULL, 0, &summary);
+        assert_null(find_warning(&summary, "weightless-filling"));
+    }
 }
 
 /* an organ without filling collapses on a table; each remedy of the text keeps it up */

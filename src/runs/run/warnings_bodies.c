@@ -31,6 +31,8 @@
 #define MISS_SIZES 2
 /* kg/m3, of the filling that a text proposes */
 #define WATER 1000.0
+/* of a filling of water: a body that weighs more is filled, of fat for example */
+#define FILLED_SHARE 0.8
 
 static double mean_of(const pel_quantity *quantity, const pel_body_def *body)
 {
@@ -82,7 +84,7 @@ static void check_filling(pel_run_state *run, int32_t b)
     double mass = 0, filling = WATER * fabs(body->rest_volume);
     for (int32_t i = body->slice_begin * PEL_WIDTH; i < body->slice_end * PEL_WIDTH; i++)
         mass += (double)run->model->mass[i];
-    if (mass < filling)
+    if (mass < FILLED_SHARE * filling)
         pel_warn_body(run, PEL_WARN_WEIGHTLESS, b, mass, mass + filling);
 }
 
