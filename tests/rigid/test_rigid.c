@@ -179,6 +179,41 @@ static void test_turned(void **state)
     }
 }
 
+/* A vertex on a path in parts of equal times, about the z axis and along: at a share of each part, and at both ends. */
+static void test_place_between(void **state)
+{
+    (void)state;
+    static const double size[3] = {1, 2, 3}, angles[5] = {0, 0.4, -0.3, 0.9, 1.1}, ways[5] = {0, 1, 3, -2, 5};
+    pel_rigid_shape shape = shape_of(size, NULL, 0);
+    pel_vec3_set(shape.pivot, 0.1, 0.2, 0.3);
+    pel_rigid_state path[3];
+    const pel_record rest[1] = {{(pel_real)0.6, (pel_real)-0.8, (pel_real)1.3}};
+    const pel_rigids all = {.rest = rest};
+    double arm[3];
+    pel_vertex_position(rest, 0, arm);
+    pel_vec3_subtract(arm, shape.pivot, arm);
+    pel_rigid rigid = body_of(&shape, none, none);
+    rigid.path = path;
+    for (int32_t count = 0; count <= 3; count++) {
+        rigid.path_count = count;
+        for (int32_t i = 0; i <= count + 1; i++) {
+            pel_rigid_state *at = i == 0 ? &rigid.before : i <= count ? &path[i - 1] : &rigid.state;
+            *at = (pel_rigid_state){.pivot = {ways[i], 2, -ways[i]},
+                                    .rotation = {0, 0, sin(angles[i] / 2), cos(angles[i] / 2)}};
+        }
+        for (int k = 0; k <= 40; k++) {
+            double share = k / 40.0, x[3], parts = share * (count + 1);
+            int part = parts < count ? (int)parts : count;
+            double rest_of = parts - part, angle = angles[part] + rest_of * (angles[part + 1] - angles[part]);
+            double way = ways[part] + rest_of * (ways[part + 1] - ways[part]);
+            pel_rigid_place_between(&rigid, &all, 0, share, x);
+            assert_near(x[0], way + cos(angle) * arm[0] - sin(angle) * arm[1], 1e-12);
+            assert_near(x[1], 2 + sin(angle) * arm[0] + cos(angle) * arm[1], 1e-12);
+            assert_near(x[2], -way + arm[2], 1e-12);
+        }
+    }
+}
+
 /* vertices of a turned body, and a body of turned vertices */
 static void test_fit(void **state)
 {
@@ -229,7 +264,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tumbling),  cmocka_unit_test(test_precession),    cmocka_unit_test(test_push),
         cmocka_unit_test(test_pins),      cmocka_unit_test(test_hinge_inertia), cmocka_unit_test(test_fit),
-        cmocka_unit_test(test_roundness), cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_roundness), cmocka_unit_test(test_turned),        cmocka_unit_test(test_place_between),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
