@@ -353,11 +353,11 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
     }
 }
 
-/* slots of each slice = largest valence in it */
+/* slots of each slice = largest valence in it; one where the middle of a ball is alone */
 static void count_slots(pel_model *model, const pel_body *body, const int32_t *valence)
 {
     for (int32_t s = body->slice_begin; s < body->slice_end; s++) {
-        int32_t most = 0;
+        int32_t most = 1;
         for (int32_t i = s * PEL_WIDTH; i < (s + 1) * PEL_WIDTH; i++)
             if (model->mesh_vertex[i] >= 0 && valence[model->mesh_vertex[i]] > most)
                 most = valence[model->mesh_vertex[i]];

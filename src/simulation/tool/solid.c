@@ -607,7 +607,7 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
     pel_sim_solids *solids = sim->tools->solids;
     if (!is_first && solids->list.count > 0)
         pel_travel_follow(&solids->travel, sim->state->position_next, 0, sim->pool);
-    if (!needs_look(sim))
+    if (solids->run_count == 0 || !needs_look(sim))
         return;
     tell(sim);
     bool follows_any = solids->is_moved && is_first;
