@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "geom/solid.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 
 #include <stdlib.h>
@@ -146,6 +147,35 @@ static void test_distance_outside_and_inside(void **unused)
     assert_near(pel_vec3_length(normal), 1, 1e-12);
 }
 
+/* of a turned box and of a mesh that lies beside its center, against their corners */
+static void test_reach(void **unused)
+{
+    (void)unused;
+    double corners[8][3], rotation[4] = {0.1, -0.5, 0.7, 0.5}, length = sqrt(0.01 + 0.25 + 0.49 + 0.25);
+    pel_tool_def def = pel_tool_def_default();
+    def.shape = PEL_TOOL_BOX;
+    pel_mesh mesh = {.positions = corners, .vertex_count = 8};
+    for (int i = 0; i < 4; i++)
+        rotation[i] /= length;
+    for (int k = 0; k < 3; k++)
+        def.half_extents[k] = 0.2 + 0.15 * k;
+    for (int is_mesh = 0; is_mesh < 2; is_mesh++) {
+        double farthest[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, turned[3];
+        for (int i = 0; i < 8; i++) {
+            for (int k = 0; k < 3; k++)
+                corners[i][k] = (i >> k & 1 ? 1 : -1) * def.half_extents[k] - 3 * is_mesh;
+            pel_rotate(rotation, corners[i], turned);
+            for (int k = 0; k < 3; k++)
+                farthest[k] = fmax(farthest[k], turned[k]);
+        }
+        def.mesh = is_mesh ? &mesh : NULL;
+        for (int k = 0; k < 3; k++) {
+            const double along[3] = {k == 0, k == 1, k == 2};
+            assert_near(pel_tool_def_reach(&def, rotation, along), farthest[k], 1e-14);
+        }
+    }
+}
+
 static void test_half_box(void **unused)
 {
     (void)unused;
@@ -200,6 +230,7 @@ int main(void)
         cmocka_unit_test(test_depth_against_samples),
         cmocka_unit_test(test_distance_outside_and_inside),
         cmocka_unit_test(test_half_box),
+        cmocka_unit_test(test_reach),
         cmocka_unit_test(test_corner_room),
         cmocka_unit_test(test_pierced),
     };

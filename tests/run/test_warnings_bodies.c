@@ -150,6 +150,28 @@ static void test_falls_away(void **unused)
     assert_non_null(find_warning(&summary, "falls-away"));
 }
 
+/* a ball that rolls a long way on a floor, or down a ramp, lies on it; past the end of the ramp it falls */
+static void test_rolls_far(void **unused)
+{
+    (void)unused;
+    static const char *const grounds[] = {
+        "tools=[{ name: floor, shape: box, size: [20, 1, 0.1], motion: [{ position: [0, 0, -0.0702] }] }]",
+        "tools=[{ name: ramp, shape: box, size: [20, 1, 0.1], motion: [{ position: [-0.0351, 0, -0.0608], rotation: "
+        "{ axis: [0, 1, 0], angle: 30 } }] }]",
+        "tools=[{ name: ramp, shape: box, size: [0.5, 1, 0.1], motion: [{ position: [-0.0351, 0, -0.0608], rotation: "
+        "{ axis: [0, 1, 0], angle: 30 } }] }]"};
+    static const char ball[] =
+        "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.02 }, rigid: { "
+        "sphere: true } }]\ngravity: [0, 0, -9.81]\ncontact: { friction: 0.5 }\nduration: 1\nloads: [{ force: [0.4, "
+        "0, 0] }]\n";
+    pel_run_summary summary;
+    for (int i = 0; i < 3; i++) {
+        run_scene(ball, &grounds[i], 1, NULL, 0, &summary);
+        assert_true(summary.max_displacement > 1);
+        assert_int_equal(find_warning(&summary, "falls-away") != NULL, i == 2);
+    }
+}
+
 /* a load that does not end, on a body that nothing holds; a kick sends it as far on purpose */
 static void test_pushed_away(void **unused)
 {
@@ -330,9 +352,9 @@ int main(void)
         cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_pushed_away),
-        cmocka_unit_test(test_nothing_acts),       cmocka_unit_test(test_surfaces_cross),
-        cmocka_unit_test(test_folds_cross),        cmocka_unit_test(test_lost_tie),
-        cmocka_unit_test(test_lost_follow),
+        cmocka_unit_test(test_rolls_far),          cmocka_unit_test(test_nothing_acts),
+        cmocka_unit_test(test_surfaces_cross),     cmocka_unit_test(test_folds_cross),
+        cmocka_unit_test(test_lost_tie),           cmocka_unit_test(test_lost_follow),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

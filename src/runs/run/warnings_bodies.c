@@ -1,9 +1,10 @@
 /* Warnings about bodies: what they are made of, what fills them, and whether anything acts on them. */
 #include "run/warnings_bodies.h"
 
+#include "geom/solid.h"
 #include "math/bounds.h"
 #include "math/extremes.h"
-#include "math/record.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "model/model.h"
@@ -120,21 +121,21 @@ static double scene_size(const pel_scene *scene)
     return pel_vec3_distance(low, high);
 }
 
-/* m, from the mean of the vertices of the mesh at rest to that at present */
-static double way_of(const pel_run_state *run, int32_t b)
+/* adds m from the mean of the vertices of the mesh at rest to that at present, and its place */
+static void add_way(const pel_run_state *run, int32_t b, double way[3], double now[3])
 {
     const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
     const pel_model *model = run->sim->model;
-    double way[3] = {0}, x[3];
+    double x[3];
     for (int32_t i = model->bodies[b].slice_begin * PEL_WIDTH; i < model->bodies[b].slice_end * PEL_WIDTH; i++) {
         const int32_t v = model->mesh_vertex[i];
         if (v < 0 || v >= mesh->vertex_count)
             continue;
         pel_vertex_position(run->sim->state->position, i, x);
+        pel_vec3_along(now, 1.0 / mesh->vertex_count, x, now);
         pel_vec3_subtract(x, mesh->positions[v], x);
         pel_vec3_along(way, 1.0 / mesh->vertex_count, x, way);
     }
-    return pel_vec3_length(way);
 }
 
 /* a load that neither ends nor fades pushes the body */
@@ -148,23 +149,34 @@ static bool is_pushed(const pel_scene *scene, int32_t b)
     return is;
 }
 
-/* a tool that bodies land on, or miss */
-static bool has_floor(const pel_scene *scene)
+/* along a unit vector, the end of all tools that bodies land on, or miss; negative and infinite without any */
+static double find_bottom(const pel_scene *scene, const double down[3])
 {
-    bool has = false;
-    for (int32_t t = 0; t < scene->sim.tool_count; t++)
-        has |= scene->sim.tools[t].press && scene->sim.tools[t].shape != PEL_TOOL_SUPPORT;
-    return has;
+    double bottom = -HUGE_VAL, position[3], rotation[4];
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        for (int32_t k = 0; tool->press && tool->shape != PEL_TOOL_SUPPORT && k < tool->key_count; k++) {
+            pel_tool_def_pose(tool, tool->keys[k].time, position, rotation);
+            bottom = pel_max(bottom, pel_vec3_dot(position, down) + pel_tool_def_reach(tool, rotation, down));
+        }
+    }
+    return bottom;
 }
 
+/* What has gone far beside or down a tool, as a ball that rolls does, falls once it is below all of them. */
 static void check_falls(pel_run_state *run, int64_t frame)
 {
     const pel_model_def *model = &run->scene->model;
-    const bool falls = pel_vec3_length(model->gravity) > 0;
-    const double size = scene_size(run->scene), most = falls && has_floor(run->scene) ? MISS_SIZES : FALL_SIZES;
+    double down[3];
+    pel_vec3_copy(model->gravity, down);
+    const bool falls = pel_vec3_normalize(down) > 0;
+    const double size = scene_size(run->scene), bottom = falls ? find_bottom(run->scene, down) : -HUGE_VAL;
+    const double most = bottom > -HUGE_VAL ? MISS_SIZES : FALL_SIZES;
     for (int32_t b = 0; b < model->body_count; b++) {
-        double way = falls || is_pushed(run->scene, b) ? way_of(run, b) : 0;
-        if (!(way >= most * size) || pel_vec3_length(model->bodies[b].velocity) > 0)
+        double shift[3] = {0}, now[3] = {0};
+        add_way(run, b, shift, now);
+        const double way = falls ? pel_vec3_dot(shift, down) : is_pushed(run->scene, b) ? pel_vec3_length(shift) : 0;
+        if (!(way >= most * size) || pel_vec3_dot(now, down) < bottom || pel_vec3_length(model->bodies[b].velocity) > 0)
             continue;
         if (run->totals.warnings.of[PEL_WARN_FALLS].count == 0)
             run->flagged[PEL_WARN_FALLS] = (pel_flagged_body){b, way, size};
@@ -220,18 +232,17 @@ void pel_tell_millimetres(const pel_warning_text *at)
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_MILLIMETRES, &name);
     const pel_body_def *body = &at->run->scene->model.bodies[flagged->body];
+    const double thick = mean_of(&body->shell.membrane.thickness, body);
     char thickness[80] = "";
-    if (body->shell.membrane.on)
-        snprintf(thickness, sizeof thickness, ", and its shell %.3g m thick",
-                 mean_of(&body->shell.membrane.thickness, body));
-    if (body->shell.membrane.on && mean_of(&body->shell.membrane.thickness, body) > SOLID_SHARE * flagged->value) {
+    if (body->shell.membrane.on && thick > SOLID_SHARE * flagged->value) {
         snprintf(at->text, at->size,
                  "body '%s' is %.3g m across, and its shell %.3g m thick: that is no shell. if the thickness is in "
                  "millimetres, write membrane: { ..., thickness: %.3g }; a solid body has a `volume`",
-                 name, flagged->value, mean_of(&body->shell.membrane.thickness, body),
-                 1e-3 * mean_of(&body->shell.membrane.thickness, body));
+                 name, flagged->value, thick, 1e-3 * thick);
         return;
     }
+    if (body->shell.membrane.on)
+        snprintf(thickness, sizeof thickness, ", and its shell %.3g m thick", thick);
     snprintf(at->text, at->size,
              "body '%s' is %.4g m across%s. if its mesh is in millimetres, write mesh: { ..., "
              "scale: 0.001 }",

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "math/extremes.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 #include "pellicle/geometry.h"
 
@@ -439,6 +440,21 @@ double pel_solid_corner_room(const pel_solid *solid, const double triangle[3][3]
 void pel_solid_half_box(const pel_solid *solid, double half[3])
 {
     pel_solid_rows[solid->shape].half_box(solid, half);
+}
+
+double pel_tool_def_reach(const pel_tool_def *def, const double rotation[4], const double along[3])
+{
+    const pel_solid solid = pel_solid_of(def);
+    double turned[3], half[3], reach = 0;
+    pel_rotate_back(rotation, along, turned);
+    for (int32_t v = 0; def->mesh != NULL && v < def->mesh->vertex_count; v++) {
+        const double way = pel_vec3_dot(def->mesh->positions[v], turned);
+        reach = v > 0 ? pel_max(reach, way) : way;
+    }
+    if (def->mesh != NULL)
+        return reach;
+    pel_solid_half_box(&solid, half);
+    return fabs(half[0] * turned[0]) + fabs(half[1] * turned[1]) + fabs(half[2] * turned[2]);
 }
 
 double pel_solid_least_half_width(const pel_solid *solid)

@@ -81,6 +81,9 @@ double pel_solid_corner_room(const pel_solid *solid, const double triangle[3][3]
 
 /* Half sizes of the box about the solid in its own frame. */
 void pel_solid_half_box(const pel_solid *solid, double half[3]);
+/* How far a tool with this rotation (unit quaternion) reaches from its center along a unit vector: of its mesh, or of
+   the box about its solid. */
+double pel_tool_def_reach(const pel_tool_def *def, const double rotation[4], const double along[3]);
 /* m, the least of these */
 double pel_solid_least_half_width(const pel_solid *solid);
 
