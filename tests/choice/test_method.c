@@ -33,6 +33,12 @@
     "  - mesh: {shape: geodesic-sphere, frequency: 2, radius: 0.01, translate: [0, 0, 0.05]}\n    rigid: {mass: "      \
     "0.01}\n"                                                                                                          \
     "gravity: [0, 0, -9.81]\n"
+#define MARBLE                                                                                                         \
+    "  - mesh: {shape: geodesic-sphere, frequency: 2, radius: 0.01, translate: [0, 0, 0.08]}\n    rigid: {sphere: "    \
+    "true}\ngravity: [0, 0, -9.81]\n"
+#define SLAB                                                                                                           \
+    "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: box, size_x: 0.2, size_y: 0.2, size_z: 0.06, nx: 8, ny: "  \
+    "8, nz: 3}\n    volume: {young: 2.0e4}\n    pinned: all\n"
 #define PRESSED "    pressure: {inside: 1000}\n"
 
 typedef struct heard {
@@ -105,6 +111,9 @@ static void test_choice(void **unused)
         /* contact */
         {SHEET STEEL PINNED "contact: {}\n", "implicit"},
         {SHEET STEEL "contact: {}\ngravity: [0, 0, -9.81]\n", "implicit"},
+        /* what implicit lacks: a rigid sphere */
+        {HEAD RUBBER MARBLE, NULL},
+        {HEAD STEEL MARBLE, NULL},
         /* there xpbd is cheaper with more substeps than by default, but not with any number of them */
         {BALL RUBBER "contact: {}\n", "xpbd"},
         {BALL RUBBER "contact: {}\nsolver: {max_substeps: 200}\n", "implicit"},
@@ -239,6 +248,20 @@ static void test_gas(void **unused)
     snprintf(text, sizeof text, blown, "solver: {method: xpbd}\n");
     assert_int_equal(run(text, &told, &lost, NULL), PEL_OK);
     assert_true(lost.ledger.dissipated_solver > 0.3 * lost.ledger.supplied);
+}
+
+/* a slab bends on smooth tetrahedra, which implicit has; beside a rigid sphere on linear ones under xpbd */
+static void test_marble(void **unused)
+{
+    (void)unused;
+    const char *const texts[] = {SLAB, SLAB MARBLE};
+    for (int i = 0; i < 2; i++) {
+        heard told = {.count = 0};
+        pel_scene *scene = load(texts[i], &told);
+        assert_int_equal(scene->sim.solver.method, i == 0 ? PEL_METHOD_IMPLICIT : PEL_METHOD_XPBD);
+        assert_int_equal(scene->model.bodies[0].volume.element, i == 0 ? PEL_VOLUME_SMOOTH : PEL_VOLUME_LINEAR);
+        pel_scene_destroy(scene);
+    }
 }
 
 /* the step that is tried leaves no trace */
@@ -389,9 +412,9 @@ static void test_long_runs(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_choice),       cmocka_unit_test(test_bending),    cmocka_unit_test(test_soft_runs),
-        cmocka_unit_test(test_gas),          cmocka_unit_test(test_tried_step), cmocka_unit_test(test_allocation),
-        cmocka_unit_test(test_static_times), cmocka_unit_test(test_long_runs),
+        cmocka_unit_test(test_choice),     cmocka_unit_test(test_bending),      cmocka_unit_test(test_soft_runs),
+        cmocka_unit_test(test_gas),        cmocka_unit_test(test_marble),       cmocka_unit_test(test_tried_step),
+        cmocka_unit_test(test_allocation), cmocka_unit_test(test_static_times), cmocka_unit_test(test_long_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -154,11 +154,11 @@ bool pel_scene_is_carried(const pel_scene *scene, const pel_model *model, int32_
 
 /* ---- choice ---- */
 
-/* explicit takes both, with a shorter step; it keeps what it had */
+/* explicit takes both, with a shorter step; it keeps what it had. Implicit does not know rigid spheres */
 static bool takes_smooth(const pel_scene_value *root, const pel_scene *scene)
 {
-    return pel_scene_value_at(root, "solver.method")->is_implied ||
-           pel_stepper_of(scene->sim.solver.method)->turns_edges;
+    return !pel_scene_has_balls(scene) && (pel_scene_value_at(root, "solver.method")->is_implied ||
+                                           pel_stepper_of(scene->sim.solver.method)->turns_edges);
 }
 
 static void choose_element(pel_scene_reader *reader, pel_scene_value *element, pel_scene *scene, int32_t b)

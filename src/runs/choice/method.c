@@ -30,6 +30,14 @@ static bool needs_projection(const pel_model *model)
     return needs;
 }
 
+bool pel_scene_has_balls(const pel_scene *scene)
+{
+    bool any = false;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        any |= scene->model.bodies[b].rigid.on && scene->model.bodies[b].rigid.sphere;
+    return any;
+}
+
 static bool refines(const pel_model *model)
 {
     bool any = false;
@@ -288,7 +296,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
     int32_t most = is_open ? most_substeps(&cost) : solver->max_substeps;
-    bool leaves = status != PEL_OK || needs_projection(model);
+    bool leaves = status != PEL_OK || needs_projection(model) || pel_scene_has_balls(scene);
     pel_model_destroy(model);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);

@@ -9,10 +9,13 @@
    than the substeps that xpbd needs, or, if max_substeps is written or surfaces refine, where those are more than
    max_substeps; and where the scene has supports, moments on edges or mid-edge bending, which xpbd lacks. Where xpbd
    needs more substeps than max_substeps by default and is cheaper, it gets as many as cost less than implicit. Only in
-   scenes that give neither the method nor substeps or iterations, and no strain limit or region that caves in, which
-   implicit lacks.
+   scenes that give neither the method nor substeps or iterations, and no strain limit, region that caves in or rigid
+   sphere, which implicit lacks.
    PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
+
+/* a rigid body is a sphere, which methods that minimise lack */
+bool pel_scene_has_balls(const pel_scene *scene);
 
 /* systems of a step of static, at least */
 enum { PEL_STATIC_SYSTEMS = 3 };

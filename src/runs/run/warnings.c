@@ -445,17 +445,17 @@ void pel_warnings_check_end(pel_run_state *run)
 
 static void tell_softness(const pel_warning_text *at)
 {
-    const pel_solver_def *solver = &at->run->scene->sim.solver;
-    const pel_model *model = at->run->model;
+    const pel_scene *scene = at->run->scene;
     bool has_other = true;
     pel_solver_reading reading;
     pel_sim_get_solver(at->run->sim, &reading);
-    for (int32_t b = 0; b < model->body_count; b++)
-        has_other &= !pel_shell_needs_projection(model->bodies[b].shell);
-    snprintf(at->text, at->size,
-             "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d%s",
-             (int)reading.most_substeps, 1 + at->tally->worst, solver->substeps > 0 ? "substeps" : "max_substeps",
-             (int)reading.needed_substeps, has_other ? ", or method implicit" : "");
+    for (int32_t b = 0; b < at->run->model->body_count; b++)
+        has_other &= !pel_shell_needs_projection(at->run->model->bodies[b].shell);
+    snprintf(
+        at->text, at->size, "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d%s%s",
+        (int)reading.most_substeps, 1 + at->tally->worst, scene->sim.solver.substeps > 0 ? "substeps" : "max_substeps",
+        (int)reading.needed_substeps, has_other ? ", or method implicit" : "",
+        has_other && pel_scene_has_balls(scene) ? " without rigid.sphere" : "");
 }
 
 static const pel_flagged_body *flagged_of(const pel_warning_text *at, pel_warning_kind kind, const char **name)
