@@ -12,6 +12,8 @@
 #define BALL(name, at)                                                                                                 \
     "  - name: " name "\n    mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.05, translate: [" at              \
     "] }\n    membrane: { preset: rubber }\n    mass: { density: 1000 }\n"
+#define MARBLE HEAD "  - { mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.05 }, rigid: { sphere: true } }\n"
+#define POST "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n"
 #define TWO HEAD SHEET("cloth", "0.0") BALL("ball", "0, 0, 0.2")
 
 static void test_choice(void **unused)
@@ -32,6 +34,9 @@ static void test_choice(void **unused)
              "ball",
              "0, 0, 0") "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n",
          false, false, NULL},
+        /* a rigid sphere is one to tools of every shape */
+        {MARBLE POST, true, true, NULL},
+        {MARBLE POST "contact: none\n", false, false, NULL},
         {TWO "contact: {}\n", true, false, NULL},
         {TWO "contact: none\n", false, false, NULL},
         {TWO "solver: { analysis: modal }\n", false, false, NULL},

@@ -537,10 +537,21 @@ static bool has_mesh_tool(pel_scene_value *root)
     return has;
 }
 
-/* Bodies do not pass through each other, nor through tools that are meshes, which press by contact alone. */
+static bool has_sphere(const pel_scene_value *bodies)
+{
+    bool has = false;
+    for (pel_scene_value *body = bodies->first; body != NULL; body = body->next) {
+        pel_scene_value *rigid = find_map(body, "rigid");
+        has |= rigid != NULL && is_word(rigid, "sphere", "true");
+    }
+    return has;
+}
+
+/* Bodies do not pass through each other, nor through tools that are meshes, which press by contact alone; a rigid
+   sphere is one to tools of every shape. */
 static pel_status imply_contact(pel_scene_reader *reader, pel_scene_value *root, const pel_scene_value *bodies)
 {
-    if (find(root, "contact") != NULL || !(has_several(bodies) || has_mesh_tool(root)) ||
+    if (find(root, "contact") != NULL || !(has_several(bodies) || has_mesh_tool(root) || has_sphere(bodies)) ||
         is_equilibrium_search(find_map(root, "solver")))
         return PEL_OK;
     pel_scene_value *contact = add(reader, root, "contact", PEL_SCENE_MAP);
