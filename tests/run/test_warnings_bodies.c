@@ -172,6 +172,24 @@ static void test_rolls_far(void **unused)
     }
 }
 
+/* a box that starts on the floor itself is lifted by the layer, and no energy is told */
+static void test_lies_at_start(void **unused)
+{
+    (void)unused;
+    static const char box[] =
+        "version: 1\nbodies: [{ name: box, mesh: { shape: box, size_x: 0.1, size_y: 0.1, size_z: 0.1, translate: [0, "
+        "0, "
+        "0.05] }, rigid: {} }]\ntools: [{ name: floor, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, "
+        "-0.05] }] }]\ngravity: [0, 0, -9.81]\nduration: 0.3\n";
+    static const char *const methods[] = {"solver.method=xpbd", "solver.method=implicit", "solver.method=explicit"};
+    pel_run_summary summary;
+    for (int i = 0; i < 3; i++) {
+        run_scene(box, &methods[i], 1, NULL, 0, &summary);
+        assert_true(summary.max_displacement > 1e-6 && summary.max_displacement < 1e-4);
+        assert_null(find_warning(&summary, "energy-appears"));
+    }
+}
+
 /* a load that does not end, on a body that nothing holds; a kick sends it as far on purpose */
 static void test_pushed_away(void **unused)
 {
@@ -352,9 +370,10 @@ int main(void)
         cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_pushed_away),
-        cmocka_unit_test(test_rolls_far),          cmocka_unit_test(test_nothing_acts),
-        cmocka_unit_test(test_surfaces_cross),     cmocka_unit_test(test_folds_cross),
-        cmocka_unit_test(test_lost_tie),           cmocka_unit_test(test_lost_follow),
+        cmocka_unit_test(test_rolls_far),          cmocka_unit_test(test_lies_at_start),
+        cmocka_unit_test(test_nothing_acts),       cmocka_unit_test(test_surfaces_cross),
+        cmocka_unit_test(test_folds_cross),        cmocka_unit_test(test_lost_tie),
+        cmocka_unit_test(test_lost_follow),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

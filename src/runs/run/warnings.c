@@ -904,10 +904,10 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_COARSE_BENDING] = pel_tell_coarse_bending,
 };
 
-/* J: positions are rounded in each substep, and the velocity takes that over its length */
+/* J: positions are rounded in each substep, the velocity takes that over its length; layers lift what lies by a fall */
 static double motion_noise(const pel_run_state *run)
 {
-    double mass = 0, farthest = 0, shortest = run->plan.dt;
+    double mass = 0, farthest = 0, shortest = run->plan.dt, g = pel_vec3_length(run->scene->model.gravity);
     pel_solver_reading solver;
     pel_sim_get_solver(run->sim, &solver);
     shortest /= pel_max(solver.most_substeps, 1);
@@ -917,7 +917,7 @@ static double motion_noise(const pel_run_state *run)
             farthest = pel_max(farthest, fabs((double)run->model->rest[v][c]));
     }
     double speed = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * farthest / shortest;
-    return 0.5 * mass * speed * speed * pel_sim_time(run->sim) / shortest;
+    return 0.5 * mass * (speed * speed * pel_sim_time(run->sim) / shortest + g * g * run->plan.dt * run->plan.dt);
 }
 
 /* Created energy is compared with all energy supplied until the end of the run. Steps of statics that converged are
