@@ -1,11 +1,9 @@
 /* Balls: rigid bodies that collide as the sphere about their mesh, which lies inside. A ball is one point, its middle,
-   that keeps its radius from all else:
-
-       ball and triangle   a vertex before a triangle, whose gap is less by the radius: corners and edges of the
-   triangle are its nearest points too, so that one pair is all there is ball and ball       a vertex before another
-   one, written as a triangle of three equal corners; the feature of the second ball has the number of triangles plus
-   its own ball and tool       boxes and meshes have triangles; spheres and capsules are a point or a segment with a
-   radius
+   that keeps its radius from all else. A ball before a triangle is a vertex before it, whose gap is less by the radius:
+   corners and edges are nearest points of the triangle too, so that one pair is all there is. Two balls are a vertex
+   before another one, written as a triangle of three equal corners; the feature of the second one has the number of
+   triangles plus its own. Tools that are boxes or meshes have triangles; spheres and capsules are a point or a segment
+   with a radius.
 
    So lists, sweeps, loads, sleep and the guard know nothing of balls but the radius that a gap has less. Normals of
    spheres turn smoothly: a ball rolls without bumps. What touches is not the middle, though: friction acts, and slips,
