@@ -38,6 +38,7 @@ static void test_choice(void **unused)
         {MARBLE POST, true, true, NULL},
         {MARBLE POST "contact: none\n", false, false, NULL},
         {TWO "contact: {}\n", true, false, NULL},
+        {TWO "contact: { self: false, between: false }\n", true, false, NULL},
         {TWO "contact: none\n", false, false, NULL},
         {TWO "solver: { analysis: modal }\n", false, false, NULL},
         /* boxes overlap, surfaces do not */
@@ -61,41 +62,6 @@ static void test_choice(void **unused)
             fail_msg("case %d: %d, %d: %s", (int)c, scene->sim.contact.enabled, scene->contact_is_implied, told.text);
         if (cases[c].implied)
             assert_true(!scene->sim.contact.self && scene->sim.contact.between);
-        pel_scene_destroy(scene);
-    }
-}
-
-/* a contact section with nothing to touch is as none; with anything that may touch it is not */
-static void test_idle(void **unused)
-{
-    (void)unused;
-    static const struct {
-        const char *text;
-        bool enabled;
-    } cases[] = {
-        {HEAD BALL("ball", "0, 0, 0") "contact: { self: false }\n", false},
-        {TWO "contact: { self: false, between: false }\n", false},
-        {HEAD BALL("ball", "0, 0, 0") "contact: {}\n", true},
-        {TWO "contact: { self: false }\n", true},
-        {HEAD BALL("ball",
-                   "0, 0, 0") "contact: { self: false }\ntools: [{ name: post, shape: sphere, radius: 0.1, motion: "
-                              "[{ position: [0, 0, -9] }] }]\n",
-         true},
-        {HEAD SHEET("cloth",
-                    "0.0") "contact: { self: false }\ncuts: [{ at: 0.5, path: [[-0.05, 0, 0], [0.05, 0, 0]] }]\n",
-         true},
-        {HEAD
-         "  - name: cloth\n    mesh: { shape: grid, nx: 4, ny: 4 }\n    membrane: { preset: rubber, toughness: 100 "
-         "}\ncontact: { self: false }\n",
-         true},
-    };
-    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-        pel_scene *scene = NULL;
-        pel_error error;
-        if (pel_scene_parse("a.yaml", cases[c].text, strlen(cases[c].text), NULL, 0, NULL, &scene, &error) != PEL_OK)
-            fail_msg("case %d: %s", (int)c, error.what);
-        if (scene->sim.contact.enabled != cases[c].enabled)
-            fail_msg("case %d: %d", (int)c, scene->sim.contact.enabled);
         pel_scene_destroy(scene);
     }
 }
@@ -138,7 +104,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_choice),
-        cmocka_unit_test(test_idle),
         cmocka_unit_test(test_ball_on_sheet),
         cmocka_unit_test(test_again),
     };

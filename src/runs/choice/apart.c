@@ -1,5 +1,5 @@
 /* Contact that a scene does not ask for. Several bodies have it between them, unless they intersect at the start: such
-   a scene compares bodies at one place, and contact would refuse it. And contact with nothing to touch. */
+   a scene compares bodies at one place, and contact would refuse it. */
 #include "choice/apart.h"
 
 #include "bvh/intersect.h"
@@ -77,22 +77,4 @@ pel_status pel_scene_keep_apart(pel_scene_reader *reader, pel_scene_value *root,
             pel_scene_value_remove(contact);
         }
     return PEL_OK;
-}
-
-static bool can_tear(const pel_scene *scene)
-{
-    bool can = false;
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
-        const pel_body_def *body = &scene->model.bodies[b];
-        can |= body->shell.membrane.toughness.value > 0 || body->spring_toughness.value > 0 || body->adhesion > 0;
-    }
-    return can;
-}
-
-void pel_scene_leave_idle_contact(pel_scene *scene)
-{
-    const pel_sim_def *sim = &scene->sim;
-    const bool may_meet = sim->contact.self || (sim->contact.between && scene->model.body_count > 1);
-    if (!may_meet && sim->tool_count == 0 && sim->cut_count == 0 && sim->seam_count == 0 && !can_tear(scene))
-        scene->sim.contact.enabled = false;
 }

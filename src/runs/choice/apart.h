@@ -7,8 +7,4 @@
 /* Sets contact_is_implied; takes implied contact back, with a line in the log, where two bodies intersect at the start.
    PEL_OUT_OF_MEMORY. */
 pel_status pel_scene_keep_apart(pel_scene_reader *reader, pel_scene_value *root, pel_scene *scene);
-/* Leaves contact out where nothing can ever touch: no body itself nor another one, no tools, no lips of cuts, seams and
-   tears. It would change steps, their number and order. */
-void pel_scene_leave_idle_contact(pel_scene *scene);
-
 #endif

@@ -136,8 +136,6 @@ static pel_status build_parts(pel_scene_reader *reader, pel_scene_value *root, c
     scene->sim.cut_count = opened.cut_count;
     scene->sim.seams = opened.seams;
     scene->sim.seam_count = opened.seam_count;
-    if (status == PEL_OK)
-        pel_scene_leave_idle_contact(scene);
     return status == PEL_OK ? pel_scene_check_cuts(reader, root, scene) : status;
 }
 

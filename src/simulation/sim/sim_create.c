@@ -331,11 +331,28 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     return pel_contacts_create_event(sim, error);
 }
 
-pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *error)
+/* Whether anything may ever touch: a body itself or another one, tools, lips of cuts, seams and tears. Contact without
+   that would change steps, their number and order. */
+static bool may_touch(const pel_sim_def *def)
 {
+    bool may = def->contact.self || (def->contact.between && def->model->body_count > 1) || def->tool_count > 0 ||
+               def->cut_count > 0 || def->seam_count > 0;
+    for (int32_t b = 0; b < def->model->body_count; b++) {
+        const pel_body_def *body = &def->model->def.bodies[b];
+        may |= body->shell.membrane.toughness.value > 0 || body->shell.membrane.toughness.field != NULL;
+        may |= body->spring_toughness.value > 0 || body->spring_toughness.field != NULL;
+    }
+    return may;
+}
+
+pel_status pel_sim_build(pel_house *house, const pel_sim_def *given, pel_error *error)
+{
+    pel_sim_def own = *given;
+    const pel_sim_def *def = &own;
     pel_sim *sim = &house->sim;
     pel_house_link(house);
     pel_status status = check_def(def, error);
+    own.contact.enabled = status == PEL_OK && own.contact.enabled && may_touch(given);
     if (status == PEL_OK)
         status = build_stage(sim, def, error);
     if (status == PEL_OK)
@@ -351,7 +368,7 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
-        status = keep_def(house, def, error);
+        status = keep_def(house, given, error);
     /* loops that were stopped on their way */
     if (status == PEL_OK && pel_patience_is_lost())
         return pel_fail_memory(error);

@@ -432,7 +432,7 @@ static void note_gap(pel_sim *sim, const pel_collision *pair, double distance, v
 pel_status pel_contacts_find_start_gap(pel_sim *sim, pel_start_gap *gap, pel_error *error)
 {
     *gap = (pel_start_gap){0};
-    return visit_near_pairs(sim, sim->contacts->largest, note_gap, gap, error);
+    return sim->contacts != NULL ? visit_near_pairs(sim, sim->contacts->largest, note_gap, gap, error) : PEL_OK;
 }
 
 /* ---- questions ---- */
