@@ -30,6 +30,8 @@ enum { ESTIMATE_SWEEPS = 20 };
 
 /* of the forces of a tool: how much they may differ from those of layers at their depths */
 #define DOUBT_SHARE 0.1
+/* of these forces: how much they may change in a part of a step, beyond which their work is not theirs times its way */
+#define JUMP_SHARE 0.5
 
 /* of the two sides of a pair of lips together: below it tools and supports decide where they are */
 #define LEAST_FREEDOM 0.5
@@ -906,20 +908,30 @@ static double layer_misfit(const pel_sim *sim, const pel_minimise_contact *const
            fabs(pressed[0] - pel_contact_layer_load(constraint->compliance, constraint->thickness, -meeting.gap));
 }
 
+/* N, by which a layer that gives way is loaded or relieved at once: on the way of a step the law is far from straight
+ */
+static double layer_jump(const pel_minimise *minimise, const pel_minimise_contact *constraint)
+{
+    const pel_minimise_load *kept = constraint->depth > constraint->tolerance ? find_kept(minimise, constraint) : NULL;
+    return constraint->depth > constraint->tolerance ? fabs(constraint->load - (kept != NULL ? kept->load : 0)) : 0;
+}
+
 void pel_minimise_contacts_doubt(pel_sim *sim, bool all)
 {
     const pel_minimise *minimise = sim->minimise;
     for (int32_t t = 0; t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
-        double load = 0, misfit = 0;
+        double load = 0, misfit = 0, jump = 0;
         for (int32_t c = 0; c < minimise->count; c++) {
             const pel_minimise_contact *constraint = &minimise->constraints[c];
             if (constraint->tool != t || !(constraint->load > 0))
                 continue;
             load += constraint->load;
             misfit += layer_misfit(sim, constraint);
+            jump += layer_jump(minimise, constraint);
         }
-        tool->is_doubtful |= misfit > DOUBT_SHARE * load || (all && (load > 0 || tool->held_count > 0));
+        bool is_unknown = misfit > DOUBT_SHARE * load || jump > JUMP_SHARE * load;
+        tool->is_doubtful |= is_unknown || (all && (load > 0 || tool->held_count > 0));
     }
 }
 

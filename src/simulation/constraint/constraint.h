@@ -49,7 +49,7 @@ double pel_minimise_contacts_turned(const pel_sim *sim);
 /* Writes these loads into the keys. */
 void pel_minimise_contacts_keep_loads(pel_sim *sim);
 /* Marks tools whose forces in this part are not known: those whose layers, where they give way, have loads of other
-   depths; with `all` whoever touches or holds something. */
+   depths, or are loaded at once; with `all` whoever touches or holds something. */
 void pel_minimise_contacts_doubt(pel_sim *sim, bool all);
 /* Flags of the vertices of surfaces that press against each other. */
 void pel_minimise_contacts_mark(const pel_sim *sim);
