@@ -22,11 +22,13 @@ enum { MOST_INTERVAL = 16 };
 #define WHOLE_SHARE 0.9
 #define PART_SHARE 0.36
 #define LOOK_SHARE 0.85
-/* of the limit at rest: below it a body has stiffened, and what it stores and gives back changes too fast for steps as
-   long as stability would allow; below the second one it is looked at again after so many steps or parts, as another
-   place may be the stiffest while the largest stretch is the same */
+/* of the limit at rest: below it what a body stores and gives back may change too fast for steps as long as stability
+   would allow, where the limit falls as steeply as that; St. Venant's material, whose steps may be whole, has 1.5 */
 #define STIFF_SHARE 0.7
-#define NEW_SHARE 0.9
+#define STEEP_SLOPE 2
+/* steps or parts after which a body in parts, or whose limit is below so many dt, is looked at again, as another place
+   may be the stiffest while the largest stretch is the same */
+#define NEAR_SHARE 1.2
 enum { MOST_AGE = 48 };
 /* slope before two looks have told it */
 #define FIRST_SLOPE 1.5
@@ -143,7 +145,8 @@ static pel_status look(pel_sim *sim, double stretch, double ahead, pel_error *er
 static bool holds(const pel_stiffening *own, double length, double stretch, bool is_whole)
 {
     const double limit = own->limit * pel_exp(-2 * own->slope * pel_max(stretch - own->stretch, 0));
-    return length <= (is_whole && limit > STIFF_SHARE * own->rest ? WHOLE_SHARE : PART_SHARE) * limit;
+    const bool is_steep = (own->slope > STEEP_SLOPE || own->size < PEL_PART_LIMIT) && limit < STIFF_SHARE * own->rest;
+    return length <= (is_whole && !is_steep ? WHOLE_SHARE : PART_SHARE) * limit;
 }
 
 /* whether a step or part of that length is stable until `ahead`; looks there where that is not known */
@@ -153,17 +156,19 @@ static pel_status check(pel_sim *sim, double length, double ahead, bool *is_stab
     const bool is_whole = length >= sim->solver.dt;
     const double stretch = stretch_ahead(sim, ahead);
     own->seen = stretch;
-    const bool is_old = own->age >= MOST_AGE && own->limit < NEW_SHARE * own->rest;
+    const bool is_close = own->size < PEL_PART_LIMIT || own->limit < NEAR_SHARE * sim->solver.dt;
+    const bool is_old = own->age >= MOST_AGE && is_close;
     *is_stable = stretch <= own->safe && !is_old;
     if (*is_stable)
         return PEL_OK;
     pel_status status = own->rest > 0 ? PEL_OK : look_at_rest(sim, error);
     const double change = fabs(stretch - own->stretch);
-    const bool is_far = is_old || !(change <= range_of(own, length));
-    if (status == PEL_OK && (is_far || (change > SMALL_STRETCH && !holds(own, length, stretch, is_whole))))
+    const bool is_far = is_old || !(change <= pel_max(range_of(own, length), is_whole ? SMALL_STRETCH : 0));
+    const bool is_doubtful = !holds(own, length, stretch, is_whole) || !holds(own, length, stretch, false);
+    if (status == PEL_OK && (is_far || (change > SMALL_STRETCH && is_doubtful)))
         status = look(sim, stretch, ahead, error);
     *is_stable = status == PEL_OK && holds(own, length, stretch, is_whole);
-    if (status == PEL_OK && !*is_stable && is_whole)
+    if (status == PEL_OK && !*is_stable && is_whole && ahead <= 2 * length)
         own->safe = pel_min(own->safe, stretch);
     if (*is_stable && is_whole)
         own->safe = pel_max(stretch, own->stretch + 0.5 * range_of(own, length));
