@@ -37,6 +37,14 @@ static void test_choice(void **unused)
         /* a rigid sphere is one to tools of every shape */
         {MARBLE POST, true, true, NULL},
         {MARBLE POST "contact: none\n", false, false, NULL},
+        {HEAD "  - { name: die, mesh: { shape: box }, rigid: { mass: 1 } }\n"
+              "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n"
+              "solver: { method: static }\n",
+         true, true, NULL},
+        {HEAD "  - { name: die, mesh: { shape: box }, rigid: { mass: 1 } }\n"
+              "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n"
+              "solver: { method: implicit }\n",
+         false, false, NULL},
         {TWO "contact: {}\n", true, false, NULL},
         {TWO "contact: { self: false, between: false }\n", true, false, NULL},
         {TWO "contact: none\n", false, false, NULL},

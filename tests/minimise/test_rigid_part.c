@@ -290,12 +290,41 @@ static void test_memory(void **state)
     pel_mesh_destroy(mesh);
 }
 
+/* under static a box falls on a floor and rests there: the floor bears its weight */
+static void test_floor(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        rigid_scene scene;
+        pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BOX);
+        pel_transform up = pel_transform_default();
+        pel_mesh *mesh;
+        def.size_x = def.size_y = def.size_z = 0.1;
+        up.translation[2] = i == 0 ? 0.0505 : 0.2;
+        assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+        assert_int_equal(pel_mesh_transform(mesh, &up, NULL), PEL_OK);
+        begin(&scene, PEL_METHOD_STATIC, 0.01);
+        scene.gravity = -GRAVITY;
+        rigid_scene_add(&scene, mesh, 1000);
+        rigid_scene_floor(&scene, 0);
+        rigid_scene_make(&scene);
+        assert_int_equal(pel_sim_step(scene.sim, NULL), PEL_OK);
+        pel_rigid_reading box = rigid_scene_read(&scene, 0);
+        pel_tool_reading floor;
+        pel_sim_get_tool(scene.sim, 0, &floor);
+        assert_near(box.center[2], 0.05, 1e-3);
+        assert_near(floor.force[2], -GRAVITY * box.mass, 1e-3 * GRAVITY * box.mass);
+        rigid_scene_end(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_flight),        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_collision),
         cmocka_unit_test(test_rest),          cmocka_unit_test(test_one_step), cmocka_unit_test(test_fall_to_rest),
         cmocka_unit_test(test_hinge_at_rest), cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_floor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

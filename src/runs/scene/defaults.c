@@ -547,11 +547,22 @@ static bool has_sphere(const pel_scene_value *bodies)
     return has;
 }
 
+/* what falls on a tool under static does so in tries, which only contact follows on their way */
+static bool settles_rigid(pel_scene_value *root, const pel_scene_value *bodies)
+{
+    pel_scene_value *solver = find_map(root, "solver"), *tools = find(root, "tools");
+    bool has = false;
+    for (pel_scene_value *body = bodies->first; body != NULL; body = body->next)
+        has |= find_map(body, "rigid") != NULL;
+    return has && tools != NULL && tools->first != NULL && solver != NULL && is_word(solver, "method", "static");
+}
+
 /* Bodies do not pass through each other, nor through tools that are meshes, which press by contact alone; a rigid
    sphere is one to tools of every shape. */
 static pel_status imply_contact(pel_scene_reader *reader, pel_scene_value *root, const pel_scene_value *bodies)
 {
-    if (find(root, "contact") != NULL || !(has_several(bodies) || has_mesh_tool(root) || has_sphere(bodies)) ||
+    if (find(root, "contact") != NULL ||
+        !(has_several(bodies) || has_mesh_tool(root) || has_sphere(bodies) || settles_rigid(root, bodies)) ||
         is_equilibrium_search(find_map(root, "solver")))
         return PEL_OK;
     pel_scene_value *contact = add(reader, root, "contact", PEL_SCENE_MAP);

@@ -140,7 +140,7 @@ static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *a
     }
 }
 
-/* the same of a rigid body, which goes as a whole; its velocity loses the approach */
+/* the same of a rigid body in motion, which goes as a whole; its velocity loses the approach */
 static bool push_rigid(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
 {
     pel_rigid *rigid = pel_rigid_of(sim->rigids, at->vertices[0]);
@@ -187,7 +187,7 @@ double pel_tool_inertia(const pel_sim *sim, const int32_t vertices[3], const dou
 static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
 {
     if (pel_rigid_of(sim->rigids, at->vertices[0]) != NULL)
-        return push_rigid(sim, tool, at, depth, normal);
+        return pel_sim_has_velocity(sim) && push_rigid(sim, tool, at, depth, normal);
     const double inertia = pel_tool_inertia(sim, at->vertices, at->weights);
     if (inertia <= 0)
         return false;
