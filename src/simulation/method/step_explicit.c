@@ -6,13 +6,11 @@
 #include "attach/tie.h"
 #include "base/memory.h"
 #include "base/status.h"
-#include "boundary/forces.h"
 #include "boundary/loads.h"
 #include "boundary/wind.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "method/meet.h"
-#include "method/stiffening.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"
 #include "stage/rigids.h"
@@ -110,7 +108,7 @@ static void correct_velocities(pel_sim *sim)
 {
     pel_state *state = sim->state;
     double dt = sim->step.dt, half_drag = pel_exp(-0.5 * sim->solver.drag * dt);
-    bool first = state->step == 0 && sim->part.at == 0 && sim->shells != NULL && sim->solver.symplectic;
+    bool first = state->step == 0 && sim->shells != NULL && sim->solver.symplectic;
     pel_real kept = (pel_real)(first ? half_drag : half_drag * half_drag);
     pel_real kick = (pel_real)(first ? 0.5 : half_drag), step = (pel_real)dt;
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
@@ -150,40 +148,6 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     (void)error;
     move_by_forces(sim, result);
     return PEL_OK;
-}
-
-/* The limit at rest is known; that of a body that has stiffened is found as it moves. */
-static pel_status create(pel_sim *sim, pel_error *error)
-{
-    pel_status status = check_dt(sim, error);
-    const bool may_stiffen = sim->shells != NULL && sim->solver.symplectic;
-    return status == PEL_OK && may_stiffen ? pel_stiffening_create(sim, error) : status;
-}
-
-/* Velocities belong to the middle of a part: they go to the middle of one of another length by the forces at their
-   common end, and back by the same ones. Those of a contact have no kick to share. */
-static void set_time(pel_sim *sim, double before)
-{
-    const pel_state *state = sim->state;
-    const double now = sim->step.dt, drag = sim->solver.drag;
-    if (state->step == 0 && sim->part.at == 0)
-        return;
-    sim->present.has_force = false;
-    pel_sim_compute_forces(sim);
-    const pel_real kept = (pel_real)pel_exp(-0.5 * drag * (before - now)), back = (pel_real)pel_exp(0.5 * drag * now);
-    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        const pel_real gain = (pel_real)(0.5 * (before - now)) * sim->model->inverse_mass[v];
-        pel_record velocity = kept * state->velocity[v] + back * gain * sim->force[v];
-        velocity[3] = state->velocity[v][3];
-        if (!(state->contact[v] || (sim->held != NULL && sim->held[v])))
-            state->velocity[v] = velocity;
-    }
-    sim->present.has_force = false; /* the step uses their array */
-}
-
-static void follow_surface(pel_sim *sim)
-{
-    pel_stiffening_forget(sim);
 }
 
 /* ---- beside rigid bodies ---- */
@@ -292,10 +256,8 @@ const pel_stepper pel_step_explicit_kind = {
     .is_explicit = true,
     .bounds_motion = true,
     .can_refill = true,
-    .create = create,
+    .create = check_dt,
     .step = step,
-    .follow_surface = follow_surface,
-    .set_time = set_time,
     .advise = advise,
 };
 

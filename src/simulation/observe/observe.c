@@ -194,7 +194,7 @@ static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
 {
     const pel_state *state = sim->state;
     bool is_held = state->contact[i] || (sim->held != NULL && sim->held[i]);
-    bool is_first = state->step == 0 && sim->part.at == 0 && sim->shells != NULL;
+    bool is_first = state->step == 0 && sim->shells != NULL;
     vertex_velocity(sim, i, velocity);
     if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first ||
         pel_rigid_of(sim->rigids, i) != NULL)

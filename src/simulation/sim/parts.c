@@ -8,7 +8,6 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "method/softness.h"
-#include "method/stiffening.h"
 #include "sim/sim.h"
 #include "sim/snapshot.h"
 #include "tool/tool.h"
@@ -20,7 +19,7 @@
 void pel_parts_create(pel_sim *sim)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
-    sim->part.step_size = sim->part.most_size = PEL_PART_LIMIT;
+    sim->part.step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     sim->part.substeps = sim->solver.substeps;
     /* restitution detects collisions by whole steps, and a budget of work applies to a whole step */
@@ -133,16 +132,9 @@ static int32_t next_size(const pel_sim *sim)
 {
     const int32_t event = next_event(sim);
     int32_t size = pel_house_of(sim)->parts.now.size;
-    size = sim->part.most_size < size ? sim->part.most_size : size;
     while (sim->part.at % size != 0 || sim->part.at + size > event)
         size /= 2;
     return size;
-}
-
-/* as a body that stiffens allows; collisions are detected by whole steps */
-static pel_status find_most(pel_sim *sim, pel_error *error)
-{
-    return sim->touch->collisions == NULL ? pel_stiffening_find(sim, &sim->part.most_size, error) : PEL_OK;
 }
 
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
@@ -160,11 +152,10 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
         memset(sim->tools->items[t].force_sum, 0, sizeof sim->tools->items[t].force_sum);
         memset(sim->tools->items[t].torque_sum, 0, sizeof sim->tools->items[t].torque_sum);
     }
-    pel_status status = find_most(sim, error);
     const int32_t size = next_size(sim);
-    if (status != PEL_OK || size == PEL_PART_LIMIT)
-        return status;
-    status = parts->is_kept ? PEL_OK : save_before(sim, error);
+    if (size == PEL_PART_LIMIT)
+        return PEL_OK;
+    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
     if (status == PEL_OK)
         set_size(sim, size);
     return status;
@@ -217,9 +208,6 @@ void pel_parts_accept(pel_sim *sim)
         if (now->size == PEL_PART_LIMIT)
             now->patience = PEL_LEAST_PATIENCE;
     }
-    /* one that finds no size goes on with the last */
-    if (sim->part.at < PEL_PART_LIMIT && sim->part.most_size < PEL_PART_LIMIT)
-        (void)find_most(sim, NULL);
     const int32_t size = sim->part.at < PEL_PART_LIMIT ? next_size(sim) : sim->part.step_size;
     if (size != sim->part.step_size)
         set_size(sim, size);

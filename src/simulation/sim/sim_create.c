@@ -15,7 +15,6 @@
 #include "math/extremes.h"
 #include "method/bending_weight.h"
 #include "method/step_explicit.h"
-#include "method/stiffening.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_path.h"
@@ -462,7 +461,6 @@ void pel_sim_release(pel_house *house)
     pel_projector_destroy(sim->projector);
     pel_viscous_destroy(sim);
     pel_substeps_destroy(sim);
-    pel_stiffening_destroy(sim);
     pel_tear_destroy(sim);
     pel_shells_destroy(sim);
     pel_rigids_destroy(sim);

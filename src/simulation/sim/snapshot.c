@@ -17,7 +17,6 @@
 #include "boundary/hold.h"
 #include "boundary/loads.h"
 #include "method/softness.h"
-#include "method/stiffening.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_newton.h"
@@ -42,7 +41,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 28 };
+enum { SNAPSHOT_VERSION = 27 };
 
 typedef struct header {
     char magic[8];
@@ -88,9 +87,9 @@ uint64_t pel_sim_hash(const pel_sim *sim)
 /* in the order of the format */
 static void transfer_sim(pel_cursor *at, const pel_sim *sim)
 {
-    static pel_transfer_part *const before[] = {pel_transfer_motion,  pel_transfer_history,   pel_substeps_transfer,
-                                                pel_parts_transfer,   pel_transfer_marks,     pel_transfer_factors,
-                                                pel_transfer_plastic, pel_stiffening_transfer};
+    static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
+                                                pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors,
+                                                pel_transfer_plastic};
     static pel_transfer_part *const after[] = {pel_contacts_transfer_limits,
                                                pel_supports_transfer,
                                                pel_touch_transfer_forces,
@@ -317,7 +316,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     if (!has_pairs)
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its pairs in contact are out of range");
-    if (!pel_parts_restore(sim) || !pel_stiffening_restore(sim))
+    if (!pel_parts_restore(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))

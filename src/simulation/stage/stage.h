@@ -30,7 +30,6 @@ typedef struct pel_picker pel_picker;
 typedef struct pel_touch pel_touch;
 typedef struct pel_refine_body pel_refine_body;
 typedef struct pel_substeps pel_substeps;
-typedef struct pel_stiffening pel_stiffening;
 typedef struct pel_projector pel_projector;
 typedef struct pel_relax pel_relax;
 typedef struct pel_minimise pel_minimise;
@@ -51,7 +50,6 @@ enum { PEL_STEP_SYSTEMS = 120 };
 typedef struct pel_step_part {
     int32_t at;        /* where it begins; 0 between steps */
     int32_t step_size; /* its size */
-    int32_t most_size; /* as what stiffens allows */
     int32_t substeps;  /* of a whole step */
     bool is_refused;   /* repeat it with a shorter step */
     bool is_repeated;  /* repeat it, with shorter strides of tools */
@@ -168,7 +166,6 @@ struct pel_sim {
     pel_refine_body *refine;       /* (adapt/refine.h, body_count) null = no body refines */
     const pel_event_guard *guards; /* of its events; null = no contact */
     pel_substeps *substeps;        /* (method/softness.h) of xpbd */
-    pel_stiffening *stiffening;    /* (method/stiffening.h) explicit steps of shells, else null */
     pel_projector *projector;      /* (solve/project.h) position-based methods, else null */
     pel_relax *relax;              /* (solve/relax.h) quasi-static method on bodies that refine, else null */
     pel_minimise *minimise;        /* (constraint/frame.h) methods that minimise, else null */

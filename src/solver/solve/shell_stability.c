@@ -21,8 +21,6 @@ enum { LEAST_ITERATIONS = 40, MOST_ITERATIONS = 400 };
 #define MARGIN 1.01
 #define DISTURBANCE 1e-6
 #endif
-#define ROUGH_RISE 5e-3
-#define ROUGH_MARGIN 1.1
 
 typedef struct power_iteration {
     const pel_model *model;
@@ -97,18 +95,9 @@ static double smallest_edge(const pel_model *model)
     return edge;
 }
 
-/* how far the iteration goes, and the share that it may lack then */
-typedef struct precision {
-    int least, most;
-    double rise, margin;
-} precision;
-
-static const precision exact = {LEAST_ITERATIONS, MOST_ITERATIONS, SLOW_RISE, MARGIN},
-                       rough = {LEAST_ITERATIONS / 4, MOST_ITERATIONS / 4, ROUGH_RISE, ROUGH_MARGIN};
-
 /* about `base` */
 static pel_status iterate(const pel_record *base, const pel_model *model, const pel_state *state,
-                          pel_shell_forces *forces, pel_pool *pool, const precision *wanted, double *stiffness)
+                          pel_shell_forces *forces, pel_pool *pool, double *stiffness)
 {
     size_t count = (size_t)model->vertex_count;
     power_iteration at = {.model = model,
@@ -126,12 +115,13 @@ static pel_status iterate(const pel_record *base, const pel_model *model, const 
         at.state.position = at.moved;
         start_mode(model, at.mode);
         double value = 0, before = -1;
-        for (int n = 0; n < wanted->most && (n < wanted->least || fabs(value - before) > wanted->rise * value); n++) {
+        for (int n = 0; n < MOST_ITERATIONS && (n < LEAST_ITERATIONS || fabs(value - before) > SLOW_RISE * value);
+             n++) {
             before = value;
             value = power_step(&at, product);
         }
         /* the quotient comes from below */
-        *stiffness = wanted->margin * value;
+        *stiffness = MARGIN * value;
     }
     PEL_FREE_ALL(product, at.mode, at.force, at.moved);
     return done ? PEL_OK : PEL_OUT_OF_MEMORY;
@@ -141,7 +131,7 @@ pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *s
                                       pel_pool *pool, pel_stability *stability, pel_error *error)
 {
     double stiffness;
-    if (iterate(model->rest, model, state, forces, pool, &exact, &stiffness) != PEL_OK)
+    if (iterate(model->rest, model, state, forces, pool, &stiffness) != PEL_OK)
         return pel_fail_memory(error);
     stability->stiffness = pel_min(stiffness, stability->stiffness_bound);
     return PEL_OK;
@@ -151,12 +141,5 @@ pel_status pel_shell_stability_now(const pel_model *model, const pel_state *stat
                                    pel_pool *pool, double *stiffness)
 {
     *stiffness = 0;
-    return iterate(state->position, model, state, forces, pool, &exact, stiffness);
-}
-
-pel_status pel_shell_stability_near(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
-                                    pel_pool *pool, double *stiffness)
-{
-    *stiffness = 0;
-    return iterate(state->position, model, state, forces, pool, &rough, stiffness);
+    return iterate(state->position, model, state, forces, pool, stiffness);
 }

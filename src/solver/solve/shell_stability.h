@@ -17,8 +17,4 @@ pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *s
 pel_status pel_shell_stability_now(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
                                    pel_pool *pool, double *stiffness);
 
-/* The same to about 10 %, in a quarter of the time. */
-pel_status pel_shell_stability_near(const pel_model *model, const pel_state *state, pel_shell_forces *forces,
-                                    pel_pool *pool, double *stiffness);
-
 #endif
