@@ -303,7 +303,7 @@ static void test_floor(void **state)
         up.translation[2] = i == 0 ? 0.0505 : 0.2;
         assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
         assert_int_equal(pel_mesh_transform(mesh, &up, NULL), PEL_OK);
-        begin(&scene, PEL_METHOD_STATIC, 0.01);
+        begin(&scene, PEL_METHOD_STATIC, 1);
         scene.gravity = -GRAVITY;
         rigid_scene_add(&scene, mesh, 1000);
         rigid_scene_floor(&scene, 0);
