@@ -102,8 +102,10 @@ static double fit_sphere(const pel_mesh *mesh, double middle[3], double *radius)
     int32_t count = mesh->vertex_count;
     for (int32_t v = 0; v < count; v++)
         pel_vec3_along(mean, 1.0 / count, mesh->positions[v], mean);
-    for (int32_t v = 0; v < count; v++)
-        size += pel_vec3_squared_length((pel_vec3_subtract(mesh->positions[v], mean, x), x)) / count;
+    for (int32_t v = 0; v < count; v++) {
+        pel_vec3_subtract(mesh->positions[v], mean, x);
+        size += pel_vec3_squared_length(x) / count;
+    }
     for (int32_t v = 0; v < count; v++) {
         pel_vec3_subtract(mesh->positions[v], mean, x);
         pel_vec3_along(sum, 0.5 * (pel_vec3_squared_length(x) - size), x, sum);

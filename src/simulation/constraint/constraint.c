@@ -912,8 +912,10 @@ static double layer_misfit(const pel_sim *sim, const pel_minimise_contact *const
  */
 static double layer_jump(const pel_minimise *minimise, const pel_minimise_contact *constraint)
 {
-    const pel_minimise_load *kept = constraint->depth > constraint->tolerance ? find_kept(minimise, constraint) : NULL;
-    return constraint->depth > constraint->tolerance ? fabs(constraint->load - (kept != NULL ? kept->load : 0)) : 0;
+    if (!(constraint->depth > constraint->tolerance))
+        return 0;
+    const pel_minimise_load *kept = find_kept(minimise, constraint);
+    return fabs(constraint->load - (kept != NULL ? kept->load : 0));
 }
 
 void pel_minimise_contacts_doubt(pel_sim *sim, bool all)
