@@ -794,9 +794,9 @@ static const pel_def_row rows[] = {
 
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), .forms = PEL_FORM_MAP | PEL_FORM_WORD,
      WORDS("none"),
-     .doc = "contact without interpenetration (paper B, section 4), or none. Default: several bodies, bodies "
-            "and tools that are meshes, and rigid spheres and tools touch each other, but not themselves ({ self: "
-            "false }), unless two bodies intersect at the start"},
+     .doc = "contact without interpenetration (paper B, section 4), or none. Default: several bodies, bodies and mesh "
+            "tools, rigid spheres (static: rigid bodies) and tools touch each other, not themselves ({ self: false }), "
+            "unless two bodies intersect at the start"},
     {"contact.self", CONTACT(self), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
      STRUCTURE("parts that touch or intersect by now would be pushed apart at once"),
      .doc = "contact between parts of one body"},
